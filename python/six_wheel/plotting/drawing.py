@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
@@ -15,7 +16,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, FancyBboxPatch, Polygon
+from matplotlib.patches import Circle, Ellipse, FancyBboxPatch, Polygon
 from matplotlib.ticker import ScalarFormatter
 from matplotlib.transforms import Affine2D, Transform
 from numpy.typing import ArrayLike, NDArray
@@ -33,6 +34,7 @@ FORBIDDEN, RECORDED = "#8e2f5b", "#e0a050"
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 LABEL, TICK = 9, 8.5  # [pt] of the words at an axis, of its numbers
 LETTERS = 14.5  # of size `LABEL` in an inch, about
+LIKELY = 5.991  # chi squared of two degrees of freedom at 95 %: the ellipse a position is in that often
 DRAWN = 5000  # points of a line at most, more than any screen shows
 TINY = 2e-3  # ends of an axis below which its numbers have a power of ten in common
 FORWARD_UP = np.pi / 2  # yaw that turns x forward to the top of the page, so that left is left
@@ -113,14 +115,8 @@ class _FromAbove:
         centre, half = self.centre, self.half
         self._box(centre, 2 * half, 0.3 * half.min(), fill, 0.9, 0.1, self.page_from_body)
         tip, base, side = centre[0] + 0.82 * half[0], centre[0] + 0.5 * half[0], 0.3 * half[1]
-        nose = Polygon(
-            [(tip, centre[1]), (base, centre[1] + side), (base, centre[1] - side)],
-            facecolor=self.soft,
-            linewidth=0,
-            zorder=self.zorder + 0.2,
-            transform=self.page_from_body,
-        )
-        self.axes.add_patch(nose)
+        corners = [(tip, centre[1]), (base, centre[1] + side), (base, centre[1] - side)]
+        self._add(Polygon(corners, facecolor=self.soft, linewidth=0), 0.2, self.page_from_body)
 
     def wheel(self, wheel: Wheel, angle: float) -> None:
         """A wheel at an angle from straight ahead, and the arms that hold it."""
@@ -130,24 +126,29 @@ class _FromAbove:
         middle = contact if wheel.steered or wheel.castor else np.zeros(2)
         pivot = np.array((wheel.x, wheel.y))
         at_body = np.clip(pivot, self.centre - self.half, self.centre + self.half)
-        self._line(pivot, at_body, self.page_from_body)
-        self._line(np.zeros(2), contact, frame)
+        for ends, place in (((pivot, at_body), self.page_from_body), ((np.zeros(2), contact), frame)):
+            self._add(Line2D(*np.transpose(ends), color=self.soft, linewidth=1.4), 0.0, place)
         pale = 0.0 if wheel.driven and wheel.roller_angle is None else 0.7
         fill = _faded(self.wheel_color, self.fade + (1.0 - self.fade) * pale)
         tyre = self._box(middle, np.array((length, width)), 0.3 * width, fill, 0.8, 0.3, frame)
         if np.any(contact != middle):
-            x, y = contact[:, None]
-            cross = Line2D(x, y, marker="x", color=self.ink, zorder=self.zorder + 0.5, transform=frame)
-            self.axes.add_artist(cross)
-        if wheel.castor:
-            self._ring(wheel, length, width)
+            self._add(Line2D(*contact[:, None], marker="x", color=self.ink), 0.5, frame)
+        if wheel.castor:  # the circle in which it swivels
+            reach = float(np.hypot(abs(wheel.trail) + length / 2, abs(wheel.scrub) + width / 2))
+            look = {"edgecolor": self.soft, "linewidth": 0.9, "linestyle": (0, (4, 3))}
+            self._add(Circle((wheel.x, wheel.y), reach, fill=False, **look), 0.2, self.page_from_body)
         if wheel.roller_angle is not None:
-            stripes = _rollers(wheel, length, width, frame, self.zorder + 0.4)
-            stripes.set_color(_faded(self.wheel_color, self.fade))
-            self.axes.add_collection(stripes, autolim=False)
+            color = _faded(self.wheel_color, self.fade)
+            stripes = LineCollection(_rollers(wheel, length, width), linewidths=1.6, colors=color)
+            self._add(stripes, 0.4, frame)
             stripes.set_clip_path(tyre)
         elif self.treads:
-            self._treads(wheel, length, width, middle, frame)
+            across = np.array(
+                [[(u, -0.3 * width), (u, 0.3 * width)] for u in np.linspace(-0.32, 0.32, 5) * length]
+            )
+            color = "white" if wheel.driven else self.ink
+            treads = LineCollection(list(across + middle), colors=color, linewidths=0.7, alpha=0.45)
+            self._add(treads, 0.4, frame)
 
     def _box(
         self,
@@ -160,65 +161,26 @@ class _FromAbove:
         frame: Transform,
     ) -> FancyBboxPatch:
         """A box with round corners."""
-        width, height = size
-        box = FancyBboxPatch(
-            tuple(middle - size / 2),
-            width,
-            height,
-            boxstyle=f"round,pad=0,rounding_size={corner}",
-            facecolor=fill,
-            edgecolor=self.ink,
-            linewidth=line,
-            zorder=self.zorder + up,
-            transform=frame,
-        )
-        self.axes.add_patch(box)
+        round_ = f"round,pad=0,rounding_size={corner}"
+        look = {"facecolor": fill, "edgecolor": self.ink, "linewidth": line}
+        box = FancyBboxPatch(tuple(middle - size / 2), *size, boxstyle=round_, **look)
+        self._add(box, up, frame)
         return box
 
-    def _line(self, start: Floats, end: Floats, frame: Transform) -> None:
-        """An arm between two points."""
-        x, y = np.transpose((start, end))
-        arm = Line2D(x, y, color=self.soft, linewidth=1.4, zorder=self.zorder, transform=frame)
-        self.axes.add_artist(arm)
-
-    def _ring(self, wheel: Wheel, length: float, width: float) -> None:
-        """The circle in which a castor swivels."""
-        ring = Circle(
-            (wheel.x, wheel.y),
-            float(np.hypot(abs(wheel.trail) + length / 2, abs(wheel.scrub) + width / 2)),
-            fill=False,
-            edgecolor=self.soft,
-            linewidth=0.9,
-            linestyle=(0, (4, 3)),
-            zorder=self.zorder + 0.2,
-            transform=self.page_from_body,
-        )
-        self.axes.add_patch(ring)
-
-    def _treads(self, wheel: Wheel, length: float, width: float, middle: Floats, frame: Transform) -> None:
-        """Lines across a wheel."""
-        places = length * np.linspace(-0.32, 0.32, 5)
-        lines = np.array([[(u, -0.3 * width), (u, 0.3 * width)] for u in places])
-        treads = LineCollection(
-            list(lines + middle),
-            colors="white" if wheel.driven else self.ink,
-            linewidths=0.7,
-            alpha=0.45,
-            zorder=self.zorder + 0.4,
-            transform=frame,
-        )
-        self.axes.add_collection(treads, autolim=False)
+    def _add(self, artist: Artist, up: float, frame: Transform) -> None:
+        """Draw in a frame, so much above the rover; the limits of the axes stay as they are."""
+        artist.set(zorder=self.zorder + up, transform=frame)
+        self.axes.add_artist(artist)
 
 
-def _rollers(wheel: Wheel, length: float, width: float, frame: Transform, zorder: float) -> LineCollection:
-    """Stripes along the axes of the rollers on top of a wheel, which lean the other way than those below."""
+def _rollers(wheel: Wheel, length: float, width: float) -> list[Floats]:
+    """Ends of the axes of the rollers on top of a wheel, which lean the other way than those below."""
     angle = wheel.roller_angle or 0.0
     along, across = np.array((-np.sin(angle), np.cos(angle))), np.array((np.cos(angle), np.sin(angle)))
     reach = abs(across[0]) * length / 2 + abs(across[1]) * width / 2
     count = max(3, 2 * round(2.5 * reach / width) + 1)
     middles = np.linspace(-reach, reach, count + 2)[1:-1, None] * across
-    ends = np.stack((middles - length * along, middles + length * along), axis=1)
-    return LineCollection(list(ends), linewidths=1.6, zorder=zorder, transform=frame)
+    return list(np.stack((middles - length * along, middles + length * along), axis=1))
 
 
 def _faded(color: str, fade: float) -> tuple[float, float, float]:
@@ -256,6 +218,31 @@ def new_figure(width: float, height: float) -> Figure:
     figure = Picture(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def one_axes(height: float, width: float = PAGE_WIDTH) -> tuple[Figure, Axes]:
+    """A figure of this size [in] and the only axes in it."""
+    figure = new_figure(width, height)
+    return figure, figure.add_subplot()
+
+
+def write_heading(figure: Figure, title: str | None) -> None:
+    """A bold title over all of the picture."""
+    if title is not None:
+        figure.suptitle(title, x=0.012, ha="left", fontsize=13, color=INK, weight="bold")
+
+
+def draw_legend(target: Axes | Figure, *lines: Any, **options: Any) -> None:
+    """The legend without a frame, in the words of `tidy`; arguments as of matplotlib's ``legend``."""
+    target.legend(*lines, **{"frameon": False, "fontsize": TICK, "labelcolor": INK} | options)
+
+
+def covariance_ellipse(position: Floats, covariance: Floats, **look: Any) -> Ellipse:
+    """Where a position is in 95 of 100 cases, by its covariance (2, 2)."""
+    values, vectors = np.linalg.eigh(covariance)
+    wide, high = 2.0 * np.sqrt(LIKELY * np.maximum(values[::-1], 0.0))
+    turn = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))
+    return Ellipse((position[0], position[1]), wide, high, angle=turn, **look)
 
 
 def equal_scales(figure: Figure, axes: Axes, least: float = 0.0) -> None:
@@ -372,9 +359,8 @@ def bounds(rover: Rover) -> tuple[Floats, Floats, float]:
 
 def write_title(axes: Axes, title: str | None, below: str) -> None:
     """Quiet lines above the picture, no longer than it is wide, and a bold title over them."""
-    figure = axes.figure
+    figure: Any = axes.figure
     room = int(LETTERS * figure.bbox.width / figure.dpi * (1.0 - axes.get_position().x0))
     lines = [piece for line in below.splitlines() for piece in textwrap.wrap(line, max(room, 40))]
     axes.set_title("\n".join(lines), loc="left", fontsize=LABEL, color=SOFT)
-    if title is not None:
-        figure.suptitle(title, x=0.012, ha="left", fontsize=13, color=INK, weight="bold")
+    write_heading(figure, title)

@@ -25,8 +25,10 @@ from six_wheel.plotting.drawing import (
     PAGE_WIDTH,
     RECORDED,
     SOFT,
+    draw_legend,
     new_figure,
     tidy,
+    write_heading,
 )
 from six_wheel.plotting.path import draw_path, path_figure
 from six_wheel.simulation.drive.closed_loop import ControlledDrive
@@ -169,7 +171,7 @@ def draw_key(axes: Axes, rover: Rover) -> None:
         for k, name in enumerate(rover.wheel_names)
     ]
     axes.axis("off")
-    axes.legend(handles=lines, frameon=False, fontsize=8, labelcolor=INK, loc="center", ncols=3)
+    draw_legend(axes, handles=lines, fontsize=8, loc="center", ncols=3)
 
 
 def drive_figure(
@@ -207,8 +209,7 @@ def drive_figure(
     length = draw_path(path, rover, poses, steering)
     path.set_title(f"{length:.2f} m", loc="left", fontsize=LABEL, color=SOFT)
     draw_course(figure, grid[2], rover, course, limits, shares)
-    if title is not None:
-        figure.suptitle(title, x=0.012, ha="left", fontsize=13, color=INK, weight="bold")
+    write_heading(figure, title)
     return figure
 
 

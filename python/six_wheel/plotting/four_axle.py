@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from six_wheel.kinematics.four_axle import FourAxleSimulation
+from six_wheel.log_odometry.evaluation.relative import path_distance
 from six_wheel.plotting.drawing import (
     AXLE,
     FAINT,
@@ -15,6 +16,7 @@ from six_wheel.plotting.drawing import (
     TRACK,
     bounds,
     contacts,
+    draw_legend,
     draw_rover,
     in_world,
     new_figure,
@@ -61,7 +63,7 @@ def four_axle_figure(result: FourAxleSimulation, *, title: str | None = None) ->
     path.set_ylim(low[1], high[1])
     path.set_aspect("equal")
     tidy(path, "x [m]", "y [m]")
-    length = float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum())
+    length = path_distance(poses)[-1]
     slip = float(result.residuals.max())
     write_title(path, title, f"{length:.2f} m in {result.stamps[-1]:.1f} s   slip at most {slip:.0e} m/s")
 
@@ -132,10 +134,8 @@ def _draw_angles(axes: Axes, result: FourAxleSimulation) -> None:
         axes.plot(result.stamps, degrees, style, color=color, linewidth=1.5, label=name)
     tidy(axes, "", "axle angle [°]")
     axes.tick_params(labelbottom=False)
-    axes.legend(
-        ncols=4, loc="lower left", bbox_to_anchor=(0, 1), frameon=False, fontsize=8, labelcolor=INK,
-        borderaxespad=0.1, handlelength=2.2,
-    )  # fmt: skip
+    place = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.1}
+    draw_legend(axes, ncols=4, fontsize=8, handlelength=2.2, **place)
 
 
 def _draw_brakes(axes: Axes, result: FourAxleSimulation) -> None:

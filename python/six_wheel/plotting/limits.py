@@ -20,7 +20,9 @@ from six_wheel.plotting.drawing import (
     SERIES,
     SOFT,
     TICK,
+    draw_legend,
     new_figure,
+    one_axes,
     tidy,
     write_title,
 )
@@ -63,8 +65,7 @@ def limits_figure(rover: Rover, limits: Limits, *, title: str | None = None) -> 
     found = rim(rover, limits)
     if found is None:
         raise ValueError(f"limits must bound every motion for a picture of them, got {limits}")
-    figure = new_figure(PAGE_WIDTH, 4.8)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(4.8)
     reach = MARGIN * np.abs(found.twists[:, (2, 0)]).max(axis=0)
     reach[reach == 0.0] = 1.0
     axes.set_xlim(reach[0], -reach[0])  # turning left is to the left
@@ -74,14 +75,7 @@ def limits_figure(rover: Rover, limits: Limits, *, title: str | None = None) -> 
     axes.axvline(0.0, color=SOFT, linewidth=0.6, zorder=3)
     _write_radii(axes, rover, reach)
     tidy(axes, "yaw rate [rad/s], positive: left", "forward speed [m/s]")
-    axes.legend(
-        handles=shown,
-        loc="upper left",
-        bbox_to_anchor=(1.0, 0.4),
-        frameon=False,
-        fontsize=TICK,
-        labelcolor=INK,
-    )
+    draw_legend(axes, handles=shown, loc="upper left", bbox_to_anchor=(1.0, 0.4))
     write_title(axes, title, "what the rover can do, and the limit that binds")
     return figure
 
@@ -110,7 +104,7 @@ def given_limits_figure(limits: Limits, *, title: str | None, rover: Rover | Non
             label = f"{name.replace('_', ' ')} [{unit}]"
             ramps.plot([0.0, time, 1.3 * time], [0.0, given[name], given[name]], color=color, label=label)
     if ramps.lines:
-        ramps.legend(frameon=False, fontsize=TICK, labelcolor=INK)
+        draw_legend(ramps)
     else:
         words = "no acceleration and no speed is given"
         ramps.text(0.5, 0.5, words, transform=ramps.transAxes, ha="center", color=SOFT, fontsize=TICK)

@@ -2,9 +2,7 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from matplotlib.patches import Ellipse
 
 from six_wheel._core import Noise
 from six_wheel.kinematics.odometry.tracks import ROUNDING, SILENT
@@ -15,20 +13,20 @@ from six_wheel.plotting.drawing import (
     AXLE,
     FAINT,
     INK,
+    LIKELY,
     MINUS,
     MOTION,
     PAGE_WIDTH,
     SOFT,
-    TICK,
+    covariance_ellipse,
+    draw_legend,
     few_rows,
     new_figure,
     tidy,
     write_title,
 )
 
-LIKELY = 5.991  # chi squared of two degrees of freedom at 95 %: the ellipse a position is in that often
 ELLIPSES = 14
-LIKELY_FACE = to_rgb(AXLE)
 WHEELS = (AXLE, "#b5651d", MOTION, "#8a6d2f", "#4c4a7d", "#7d3c5d")
 LINE = 110  # letters of a legend in one row, 8 of them for each sign
 
@@ -72,15 +70,9 @@ def draw_path(axes: Axes, result: Reckoned) -> None:
     along = path_distance(poses)
     stations = np.searchsorted(along, np.linspace(0.0, along[-1], ELLIPSES + 1)[1:])
     for number, row in enumerate(np.unique(np.minimum(stations, len(poses) - 1))):
-        values, vectors = np.linalg.eigh(covariances[row, :2, :2])
-        wide, high = 2.0 * np.sqrt(LIKELY * np.maximum(values[::-1], 0.0))
-        turn = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))
         label = {} if number else {"label": f"95 % of where it may be{typical}"}
-        ellipse = Ellipse(
-            (poses[row, 0], poses[row, 1]), wide, high, angle=turn, facecolor=(*LIKELY_FACE, 0.1),
-            edgecolor=(*LIKELY_FACE, 0.7), linewidth=0.8, zorder=2.5, **label,
-        )  # fmt: skip
-        axes.add_patch(ellipse)
+        look = {"facecolor": (AXLE, 0.1), "edgecolor": (AXLE, 0.7), "linewidth": 0.8, "zorder": 2.5}
+        axes.add_patch(covariance_ellipse(poses[row], covariances[row, :2, :2], **look, **label))
     axes.plot(*poses[0, :2], "o", color="white", markeredgecolor=INK, markersize=6, zorder=6)
     axes.plot(*poses[-1, :2], "o", color=INK, markeredgecolor="white", markersize=8, zorder=6, label="end")
     if result.evaluation is not None:
@@ -95,9 +87,7 @@ def draw_key(figure: Figure, axes: Axes) -> None:
     """Draw the legend of a path below the picture, which ellipses may fill."""
     handles, labels = axes.get_legend_handles_labels()
     columns = 5 if sum(map(len, labels)) + 8 * len(labels) < LINE else 3
-    figure.legend(
-        handles, labels, loc="outside lower left", ncols=columns, frameon=False, fontsize=TICK, labelcolor=INK
-    )
+    draw_legend(figure, handles, labels, loc="outside lower left", ncols=columns)
 
 
 def _draw_error(axes: Axes, result: Reckoned) -> None:
@@ -113,7 +103,7 @@ def _draw_error(axes: Axes, result: Reckoned) -> None:
         axes.plot(along, error, color=MOTION, linewidth=1.2, label="error")
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
-    axes.legend(frameon=False, fontsize=TICK, labelcolor=INK, loc="upper left")
+    draw_legend(axes, loc="upper left")
     tidy(axes, "distance driven [m]", "position [m]")
 
 
@@ -146,5 +136,5 @@ def _draw_residuals(axes: Axes, result: Reckoned) -> None:
         axes.axvspan(start, end, color=FAINT, alpha=0.6, zorder=0)
     axes.set_ylim(0.0, max(1.05e3 * float(np.nan_to_num(residuals).max()), 1.0))
     axes.set_xlim(stamps[0], stamps[-1])
-    axes.legend(frameon=False, fontsize=TICK, labelcolor=INK, loc="upper right", ncols=3)
+    draw_legend(axes, loc="upper right", ncols=3)
     tidy(axes, "time [s]", "wheels slide [mm/s]")

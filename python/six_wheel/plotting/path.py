@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.poses import Floats
+from six_wheel.log_odometry.evaluation.relative import path_distance
 from six_wheel.plotting.drawing import (
     INK,
     RECORDED,
@@ -19,7 +20,7 @@ from six_wheel.plotting.drawing import (
     draw_rover,
     fit_page,
     in_world,
-    new_figure,
+    one_axes,
     tidy,
     write_title,
 )
@@ -44,8 +45,7 @@ def path_figure(rover: Rover, poses: ArrayLike, steering: ArrayLike, *, title: s
     ValueError
         If the shapes do not fit the rover and each other, or a pose is not finite.
     """
-    figure = new_figure(8.0, 7.0)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(7.0, 8.0)
     length = draw_path(axes, rover, poses, steering)
     fit_page(figure, axes)
     write_title(axes, title, f"{length:.2f} m")
@@ -85,7 +85,7 @@ def draw_path(
     if angles.shape != (len(track), steered):
         raise ValueError(f"steering must have shape ({len(track)}, {steered}), got {angles.shape}")
 
-    along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(track[:, :2], axis=0).T))))
+    along = path_distance(track)
     *_, size = bounds(rover)
     ruts = in_world(track, contacts(rover, angles))
     extent = float(np.max(np.ptp(ruts, axis=(0, 1))))

@@ -9,7 +9,7 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Costmap, Rover
-from six_wheel.plotting.drawing import INK, RECORDED, SOFT, fit_page, new_figure, write_title
+from six_wheel.plotting.drawing import INK, RECORDED, SOFT, fit_page, one_axes, write_title
 from six_wheel.plotting.path import draw_path
 
 
@@ -79,8 +79,7 @@ def plan_figure(
     ValueError
         If the shapes do not fit the rover and each other, or a pose is not finite.
     """
-    figure = new_figure(8.0, 6.0)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(6.0, 8.0)
     length = draw_path(axes, rover, poses, steering, count=8)
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     draw_costmap(axes, costmap)

@@ -10,9 +10,9 @@ from six_wheel.plotting.drawing import (
     AXLE,
     CENTRE,
     FAINT,
-    INK,
     PAGE_WIDTH,
     SOFT,
+    draw_legend,
     few_rows,
     new_figure,
     tidy,
@@ -46,7 +46,7 @@ def replay_figure(replayed: Replayed, *, title: str | None = None) -> Figure:
         ways.plot(x[-1], y[-1], "o", color=colour, markersize=5)
     ways.set_aspect("equal", adjustable="datalim")
     tidy(ways, "x [m]", "y [m]")
-    ways.legend(frameon=False, labelcolor=INK)
+    draw_legend(ways, fontsize=None)
     same = f"differ in {difference.differing:,} of {difference.common:,} steps"
     below = f"the commanded way; commands {'are the same bits' if difference.same_bits else same}"
     write_title(ways, title, below)
@@ -70,7 +70,7 @@ def _draw_motion(axes: Axes, replayed: Replayed, column: int, begin: float) -> N
         time, value = few_rows((run.times - begin) / SECOND, run.twists[:, column])
         axes.plot(time, value, color=colour, linewidth=width)
     if column == 0 and len(wanted):
-        axes.legend(frameon=False, labelcolor=INK)
+        draw_legend(axes, fontsize=None)
 
 
 def _draw_wheels(axes: Axes, replayed: Replayed, begin: float) -> None:

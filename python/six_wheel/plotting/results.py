@@ -60,7 +60,10 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
             made: Figure = checked(call="sw.plot")(draw)(result, title=title, **options)
             return made
     rule = "a Rover, Track, Terrain or another result that help(six_wheel.plot.figure) names"
-    hint = next((words for name, words in HINTS.items() if name in (kind.__name__ for kind in type(result).__mro__)), "")
+    hint = next(
+        (words for name, words in HINTS.items() if name in (kind.__name__ for kind in type(result).__mro__)),
+        "",
+    )
     raise TypeError(f"result must be {rule}, got {type(result).__name__}{hint}")
 
 

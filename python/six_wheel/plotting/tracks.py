@@ -22,7 +22,7 @@ from six_wheel.plotting.drawing import (
     MOTION,
     PAGE_WIDTH,
     SOFT,
-    TICK,
+    draw_legend,
     new_figure,
     tidy,
     write_title,
@@ -78,7 +78,7 @@ def track_figure(
         growth.plot(grown.length, grown.position, "o-", color=colour, linewidth=1.2, markersize=3)
     path.plot(*wanted[0, :2], "o", color="white", markeredgecolor=INK, markersize=6, zorder=6)
     path.set_aspect("equal", adjustable="datalim")
-    path.legend(frameon=False, fontsize=TICK, labelcolor=INK)
+    draw_legend(path)
     tidy(path, "x [m]", "y [m]")
     tidy(along, "distance driven [m]", "error [m]")
     tidy(growth, "length of a stretch [m]", "error over it, rms [m]")
@@ -113,7 +113,7 @@ def draw_residuals(panels: list[Axes], before: Floats, after: Floats) -> None:
     ):
         _histogram(panels[number], scale * before[:, number], scale * after[:, number])
         tidy(panels[number], f"{name} [{unit}]", "windows" if number == 0 else "")
-    panels[0].legend(frameon=False, fontsize=TICK, labelcolor=INK)
+    draw_legend(panels[0])
 
 
 def _histogram(axes: Axes, before: Floats, after: Floats) -> None:

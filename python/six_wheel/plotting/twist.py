@@ -31,11 +31,12 @@ from six_wheel.plotting.drawing import (
     body_box,
     bounds,
     contacts,
+    draw_legend,
     draw_rover,
     headings,
     in_world,
-    new_figure,
     number,
+    one_axes,
     page,
     tidy,
     write_title,
@@ -300,10 +301,8 @@ def draw_key(figure: Figure, rover: Rover, moving: bool) -> None:
         shown.append(Line2D([], [], color=MOTION, linewidth=2.0, label="where a wheel goes"))
         arrow = {"marker": r"$\rightarrow$", "markersize": 12, "linestyle": "none"}
         shown.append(Line2D([], [], color=MOTION, label="motion of the body, not to scale", **arrow))  # type: ignore[arg-type]
-    figure.legend(
-        handles=shown, loc="outside lower left", ncols=4, frameon=False, fontsize=8, labelcolor=SOFT,
-        handlelength=1.6, columnspacing=1.4,
-    )  # fmt: skip
+    look = {"fontsize": 8, "labelcolor": SOFT, "handlelength": 1.6, "columnspacing": 1.4}
+    draw_legend(figure, handles=shown, loc="outside lower left", ncols=4, **look)
 
 
 def describe(twist: Floats) -> str:
@@ -355,8 +354,7 @@ def show_figure(rover: Rover, twist: ArrayLike, *, title: str | None = None) -> 
 
     left, right, bottom, top = view(low, high, size, icr, shown)
     width = 8.0  # [in], with labels of wheels
-    figure = new_figure(width, width * (top - bottom) / (right - left) + 1.1)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(width * (top - bottom) / (right - left) + 1.1, width)
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
     axes.set_aspect("equal")

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from six_wheel.cli.demo.motion import REST_SPEED, SMOOTHING, SUSTAINED, DemoMotion, DemoResult
 from six_wheel.kinematics.objects.whole_files import replacing
-from six_wheel.plotting.drawing import INK, SOFT, new_figure, tidy
+from six_wheel.plotting.drawing import INK, SOFT, draw_legend, new_figure, tidy
 from six_wheel.plotting.path import draw_path
 from six_wheel.robot_description.wheels_of_rover import joints_by_wheel
 
@@ -29,7 +29,7 @@ def draw(results: Sequence[DemoResult]) -> Figure:
         enlarged = f"path enlarged {result.scale:.2f} times, " if result.scale > 1 else ""
         path.set_title(result.name, loc="left", fontsize=14, color=INK, weight="bold")
         path.set_title(f"{enlarged}{result.length:.1f} m", loc="right", fontsize=10, color=SOFT)
-        path.legend(loc="upper left", frameon=False, fontsize=8, labelcolor=SOFT)
+        draw_legend(path, loc="upper left", fontsize=8, labelcolor=SOFT)
 
         wheels, times = result.rover.wheels, result.times[:-1]
         steered = [wheel for wheel in wheels if wheel.steered]
@@ -47,9 +47,7 @@ def draw(results: Sequence[DemoResult]) -> Figure:
             axes.set_xlim(times[0], times[-1])
             _shade_rests(axes, result)
     handles, labels = rows[2, 0].get_legend_handles_labels()
-    figure.legend(
-        handles, labels, loc="outside lower center", ncols=6, frameon=False, fontsize=8, labelcolor=SOFT
-    )
+    draw_legend(figure, handles, labels, loc="outside lower center", ncols=6, fontsize=8, labelcolor=SOFT)
     return figure
 
 

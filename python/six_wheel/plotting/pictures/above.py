@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Ellipse
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Limits, Rover, exp
@@ -24,10 +23,12 @@ from six_wheel.plotting.drawing import (
     SOFT,
     bounds,
     contacts,
+    covariance_ellipse,
+    draw_legend,
     draw_rover,
     equal_scales,
-    new_figure,
     number,
+    one_axes,
     page,
     tidy,
     write_title,
@@ -35,7 +36,6 @@ from six_wheel.plotting.drawing import (
 from six_wheel.plotting.limits import limits_figure
 from six_wheel.plotting.twist import show_figure
 
-SIGMAS = 2.4477  # of the ellipse of 95 % in the plane
 ROUNDING = 1e-9  # [m/s], below which a residual is none
 
 
@@ -64,8 +64,7 @@ def four_axle_figure(car: Any, *, title: str | None) -> Figure:
 
 def _axes(rover: Rover, steering: Floats | None) -> tuple[Figure, Axes, float]:
     """A page with the rover in its middle, and half its diagonal."""
-    figure = new_figure(7.2, 6.0)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(6.0)
     draw_rover(axes, rover, (0.0, 0.0, FORWARD_UP), steering, fade=0.45)
     low, high, size = bounds(rover)
     axes.set_aspect("equal")
@@ -152,8 +151,7 @@ def output_figure(output: Any, *, title: str | None) -> Figure:
 
 def mobility_figure(found: Any, *, title: str | None) -> Figure:
     """A `Mobility` or `FourAxleMobility`: each free motion as the path it makes, and the degrees in words."""
-    figure = new_figure(7.2, 5.0)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(5.0)
     for place, motion in enumerate(np.atleast_2d(found.motion)):
         if not motion.size:
             continue
@@ -197,14 +195,11 @@ def pose_figure(state: Any, *, title: str | None) -> Figure:
     if pose.shape == (4, 4):
         pose = np.array((pose[0, 3], pose[1, 3], math.atan2(pose[1, 0], pose[0, 0])))
     x, y, yaw = pose[0], pose[1], pose[-1]
-    figure = new_figure(7.2, 5.4)
-    axes = figure.add_subplot()
-    values, vectors = np.linalg.eigh(covariance[:2, :2])
-    wide, high = 2.0 * SIGMAS * np.sqrt(np.maximum(values[::-1], 0.0))
-    turn = math.degrees(math.atan2(vectors[1, 1], vectors[0, 1]))
-    axes.add_patch(Ellipse((x, y), wide, high, angle=turn, facecolor=AXLE, alpha=0.25, edgecolor=AXLE))
-    reach = max(0.5, 0.7 * wide)
-    spread = SIGMAS / 1.25 * math.sqrt(max(float(covariance[-1, -1]), 0.0))  # 1.96 of one number
+    figure, axes = one_axes(5.4)
+    ellipse = covariance_ellipse(pose, covariance[:2, :2], facecolor=AXLE, alpha=0.25, edgecolor=AXLE)
+    axes.add_patch(ellipse)
+    reach = max(0.5, 0.7 * ellipse.width)
+    spread = 1.96 * math.sqrt(max(float(covariance[-1, -1]), 0.0))
     for angle, style in ((yaw, "-"), (yaw - spread, ":"), (yaw + spread, ":")):
         end = (x + 0.6 * reach * math.cos(angle), y + 0.6 * reach * math.sin(angle))
         axes.plot([x, end[0]], [y, end[1]], color=MOTION, linewidth=1.6, linestyle=style)
@@ -226,8 +221,7 @@ def pose_figure(state: Any, *, title: str | None) -> Figure:
 def wheel_figure(wheel: Any, *, title: str | None) -> Figure:
     """A `Wheel`: its pivot, its contact, scrub and trail with their numbers."""
     one = Rover([wheel, *_beside(wheel)])
-    figure = new_figure(7.2, 5.0)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(5.0)
     draw_rover(axes, one, (0.0, 0.0, FORWARD_UP), fade=0.0, body_color="#ffffff")
     pivot, contact = page(np.array((wheel.x, wheel.y))), page(contacts(one))[0]
     axes.plot(*pivot, "o", color=CENTRE, markersize=8, zorder=9, label="pivot")
@@ -236,7 +230,7 @@ def wheel_figure(wheel: Any, *, title: str | None) -> Figure:
     axes.set_aspect("equal")
     axes.set(xlim=(pivot[0] - reach, pivot[0] + reach), ylim=(pivot[1] - reach, pivot[1] + reach))
     tidy(axes, "to the right [m]", "forward [m]")
-    axes.legend(frameon=False, fontsize=9, labelcolor=INK)
+    draw_legend(axes, fontsize=9)
     numbers = ", ".join(f"{name} {getattr(wheel, name):g}" for name in ("x", "y", "radius", "scrub", "trail"))
     words = f"{wheel.name}: {numbers} m"
     write_title(axes, title, words)

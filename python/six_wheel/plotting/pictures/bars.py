@@ -18,8 +18,10 @@ from six_wheel.plotting.drawing import (
     SERIES,
     SOFT,
     TICK,
+    draw_legend,
     new_figure,
     number,
+    one_axes,
     tidy,
     write_title,
 )
@@ -46,22 +48,16 @@ def jacobian_bars(found: Any, *, title: str | None) -> Figure:
         table = np.asarray(getattr(found, name), dtype=float)
         table = table if table.ndim == 2 else np.abs(table.reshape(-1, *table.shape[-2:])).mean(axis=0)
         places = np.arange(table.shape[1])
-        for k, (part, row) in enumerate(zip(("vx", "vy", "omega"), table, strict=True)):
+        for k, (part, row) in enumerate(zip(TWIST, table, strict=True)):
             axes.bar(places + 0.27 * (k - 1), row, 0.25, color=SERIES[k], label=part)
         axes.set_xticks(places, [str(place + 1) for place in places])
         tidy(axes, f"{name.replace('_', ' ')} of wheel", f"twist [per {QUANTITIES[name]}]")
     for axes in panels[len(known) :]:
         axes.set_visible(False)
-    figure.legend(
-        *panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=3, frameon=False, fontsize=9
-    )
-    figure.suptitle(
-        title or "derivatives of the twist [m/s, m/s, rad/s] by the quantities of each wheel",
-        x=0.01,
-        ha="left",
-        fontsize=10,
-        color=INK,
-    )
+    drawn = panels[0].get_legend_handles_labels()
+    draw_legend(figure, *drawn, loc="outside lower left", ncols=3, fontsize=9, labelcolor=None)
+    words = "derivatives of the twist [m/s, m/s, rad/s] by the quantities of each wheel"
+    figure.suptitle(title or words, x=0.01, ha="left", fontsize=10, color=INK)
     return figure
 
 
@@ -74,8 +70,7 @@ def named_bars(
     bad: frozenset[str] = frozenset(),
 ) -> Figure:
     """A row for each name with its number at the bar; those that are bad in another colour, hatched."""
-    figure = new_figure(PAGE_WIDTH, 1.2 + 0.36 * len(values))
-    axes = figure.add_subplot()
+    figure, axes = one_axes(1.2 + 0.36 * len(values))
     for place, (name, value) in enumerate(values.items()):
         shown = value if np.isfinite(value) else 0.0
         colour, hatch = (FORBIDDEN, "///") if name in bad else (MOTION, "")
@@ -120,8 +115,7 @@ def bounds_bars(found: Any, *, title: str | None) -> Figure:
         "rocker": "rad",
         "wheel_drop": "m",
     }
-    figure = new_figure(PAGE_WIDTH, 3.6)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(3.6)
     for place, (name, unit) in enumerate(names.items()):
         ends = np.asarray(getattr(found, name), dtype=float).reshape(-1, 2)
         low, high = np.nanmin(ends[:, 0], initial=np.inf), np.nanmax(ends[:, 1], initial=-np.inf)

@@ -16,7 +16,7 @@ from six_wheel.plotting.drawing import (
     MOTION,
     PAGE_WIDTH,
     SOFT,
-    TICK,
+    draw_legend,
     new_figure,
     number,
     tidy,
@@ -84,8 +84,6 @@ def _draw_runs(axes: Axes, runs: Any) -> None:
     axes.set_yticks(places, [run.name for run in runs])
     axes.invert_yaxis()
     axes.margins(x=0.2)
-    axes.legend(frameon=False, fontsize=TICK, labelcolor=INK, loc="lower right", ncols=2,
-        bbox_to_anchor=(1.0, 1.0),
-    )  # fmt: skip
+    draw_legend(axes, loc="lower right", ncols=2, bbox_to_anchor=(1.0, 1.0))
     units = {run.unit for run in runs} or {"m"}
     tidy(axes, f"error of a run, rms [{', '.join(sorted(units))}]", "")

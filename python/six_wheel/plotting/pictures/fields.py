@@ -20,8 +20,8 @@ from six_wheel.plotting.drawing import (
     TRACK,
     color_bar,
     equal_scales,
-    new_figure,
     number,
+    one_axes,
     tidy,
     write_title,
 )
@@ -67,8 +67,7 @@ def draw_ground(axes: Axes, ground: Terrain) -> None:
 
 def terrain_figure(ground: Terrain, *, title: str | None) -> Figure:
     """A `Terrain`: relief with contour lines [m]."""
-    figure = new_figure(7.2, 6.0)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(6.0)
     draw_ground(axes, ground)
     equal_scales(figure, axes)
     tidy(axes, "x [m]", "y [m]")
@@ -82,8 +81,7 @@ def terrain_figure(ground: Terrain, *, title: str | None) -> Figure:
 
 def costmap_figure(costmap: Costmap, *, title: str | None) -> Figure:
     """A `Costmap`: costs in grey, what is lethal dark and hatched."""
-    figure = new_figure(7.2, 6.0)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(6.0)
     _draw_costs(axes, costmap)
     color_bar(figure, axes.images[0], axes, "cost [1]")
     values = costmap.values
@@ -109,8 +107,7 @@ def _draw_costs(axes: Axes, costmap: Costmap) -> None:
 
 def plan_path_figure(plan: Any, *, title: str | None, costmap: Costmap | None = None) -> Figure:
     """An `MppiPlan`: the poses it leads to, over a costmap where one is given, and their motion."""
-    figure = new_figure(7.2, 5.0)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(5.0)
     _draw_poses(axes, np.asarray(plan.poses))
     _over_costs(figure, axes, costmap)
     tidy(axes, "x [m]", "y [m]")
@@ -162,8 +159,7 @@ def planner_figure(
     if costmap is not None and plan is None:
         raise TypeError("costmap must come with plan, the result of the step: it says where the rover was")
     start = (0.0, 0.0, 0.0) if plan is None else plan.poses[0]
-    figure = new_figure(7.2, 5.4)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(5.4)
     if len(planner.costs):
         _draw_rollouts(
             axes,
@@ -189,8 +185,7 @@ def rollouts_figure(found: Any, *, title: str | None, costmap: Costmap | None = 
     """A `RolloutCost`: its paths, by the largest speed of a wheel, over a costmap where one is given."""
     poses = np.asarray(found.poses).reshape(-1, *np.shape(found.poses)[-2:])
     speeds = np.asarray(found.max_wheel_speed).ravel()
-    figure = new_figure(7.2, 5.0)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(5.0)
     _draw_rollouts(axes, figure, poses, speeds, "largest wheel speed [rad/s]")
     _over_costs(figure, axes, costmap)
     tidy(axes, "x [m]", "y [m]")

@@ -17,9 +17,10 @@ from six_wheel.plotting.drawing import (
     MINUS,
     MOTION,
     PAGE_WIDTH,
-    TICK,
+    draw_legend,
     equal_scales,
     new_figure,
+    one_axes,
     tidy,
     write_title,
 )
@@ -29,8 +30,7 @@ from six_wheel.plotting.pictures.strips import log_strips
 
 def truth_figure(truth: Any, *, title: str | None) -> Figure:
     """A `GroundTruth`: its path; of headings alone their values over time."""
-    figure = new_figure(7.2, 5.4)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(5.4)
     if not truth.has_positions:
         axes.plot(truth.stamps - truth.stamps[0], truth.poses[:, 2], color=MOTION)
         tidy(axes, "time [s]", "yaw [rad]")
@@ -67,7 +67,7 @@ def log_figure(log: Any, *, title: str | None) -> Figure:
 
 def track3_figure(track: Any, *, title: str | None) -> Figure:
     """A `Track3`: its path from above, with its height along the way."""
-    figure = new_figure(7.2, 7.0)
+    figure = new_figure(PAGE_WIDTH, 7.0)
     grid = figure.add_gridspec(2, 1)
     above, profile = figure.add_subplot(grid[0]), figure.add_subplot(grid[1])
     above.plot(*track.positions[:, :2].T, color=MOTION, linewidth=1.6)
@@ -125,7 +125,7 @@ def evaluation_figure(found: Any, *, title: str | None) -> Figure:
     first, aligned = found.first.position, found.aligned.position
     errors.plot(found.along, first, color=MOTION, label="first pose given")
     errors.plot(found.along, aligned, color=AXLE, linestyle="--", label="aligned as a whole")
-    errors.legend(frameon=False, fontsize=TICK, labelcolor=INK)
+    draw_legend(errors)
     counts.hist(first, bins=30, color=MOTION, alpha=0.8)
     counts.locator_params(axis="x", nbins=5)
     growth.plot(found.growth.length, found.growth.position, "o-", color=MOTION, markersize=4)
@@ -138,8 +138,7 @@ def evaluation_figure(found: Any, *, title: str | None) -> Figure:
 
 def twist_path_figure(twist: Any, *, title: str | None) -> Figure:
     """A `Twist`: the arc it makes in a second."""
-    figure = new_figure(7.2, 5.0)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(5.0)
     poses = np.asarray(integrate(np.tile(np.asarray(twist, dtype=float), (60, 1)), 1.0 / 60.0))
     axes.plot(*poses[:, :2].T, color=MOTION, linewidth=2.2)
     axes.plot(0, 0, "o", color="white", markeredgecolor=INK, markersize=7)

@@ -10,13 +10,14 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from six_wheel.plotting.drawing import (
-    INK,
     PAGE_WIDTH,
     SERIES,
-    TICK,
+    draw_legend,
     equal_scales,
     new_figure,
+    one_axes,
     tidy,
+    write_heading,
     write_title,
 )
 from six_wheel.plotting.pictures.fields import LEAST
@@ -47,15 +48,14 @@ def path_of(result: Any) -> Any:
 
 def paths_figure(results: Sequence[Any], *, title: str | None) -> Figure:
     """Several paths in one picture."""
-    figure = new_figure(PAGE_WIDTH, 5.6)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(5.6)
     for number, one in enumerate(results):
         style = ("-", "--", ":")[number % 3]
         label = getattr(one, "name", "") or f"{type(one).__name__} {number + 1}"
         x, y = path_of(one)[:, :2].T
         axes.plot(x, y, color=SERIES[number % len(SERIES)], linestyle=style, linewidth=1.6, label=label)
     equal_scales(figure, axes, LEAST)
-    axes.legend(frameon=False, fontsize=TICK, labelcolor=INK)
+    draw_legend(axes)
     tidy(axes, "x [m]", "y [m]")
     write_title(axes, title, f"{len(results)} paths")
     return figure
@@ -76,8 +76,7 @@ def stacked(pictures: Sequence[Figure], kinds: Sequence[type], *, title: str | N
         images.append(image)
     heights = [image.shape[0] / image.shape[1] for image in images]
     figure = new_figure(PAGE_WIDTH, PAGE_WIDTH * sum(heights) + (0.0 if title is None else 0.4))
-    if title is not None:
-        figure.suptitle(title, x=0.01, ha="left", fontsize=13, color=INK, weight="bold")
+    write_heading(figure, title)
     panels = figure.subplots(len(images), 1, height_ratios=heights, squeeze=False)[:, 0]
     for frame, image in zip(panels, images, strict=True):
         frame.imshow(image)

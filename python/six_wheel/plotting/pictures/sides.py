@@ -25,6 +25,7 @@ from six_wheel.plotting.drawing import (
     equal_scales,
     new_figure,
     number,
+    one_axes,
     tidy,
     write_title,
 )
@@ -46,8 +47,7 @@ def stand_figure(stand: Any, *, title: str | None) -> Figure:
         figure = strips(rows, panels, title=title, below=repr(stand))
         figure.axes[-1].set_xlabel("pose", fontsize=LABEL, color=SOFT)
         return figure
-    figure = new_figure(7.2, 4.6)
-    axes = figure.add_subplot()
+    figure, axes = one_axes(4.6)
     if stand.stands:
         _draw(axes, stand)
         equal_scales(figure, axes)

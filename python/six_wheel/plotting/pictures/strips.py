@@ -14,12 +14,11 @@ from six_wheel.kinematics.controller import Reason
 from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drawing import (
     FORBIDDEN,
-    INK,
     LABEL,
     PAGE_WIDTH,
     SERIES,
     SOFT,
-    TICK,
+    draw_legend,
     new_figure,
     number,
     tidy,
@@ -54,10 +53,7 @@ def _strip(axes: Axes, times: ArrayLike, lines: Mapping[str, Floats]) -> None:
     if high - low < ROUNDING:  # nothing but rounding, which is no curve
         axes.set_ylim(low - 0.05, high + 0.05)
     if len(lines) > 1:
-        axes.legend(
-            frameon=False, fontsize=TICK, labelcolor=INK, loc="center left", bbox_to_anchor=(1.0, 0.5),
-            handlelength=1.5,
-        )  # fmt: skip
+        draw_legend(axes, loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=1.5)
 
 
 def _named(names: Sequence[str], values: Floats) -> dict[str, Floats]:
@@ -89,10 +85,7 @@ def run_strips(run: Any, *, title: str | None) -> Figure:
         axes.set_title(
             axes.get_title(loc="left"), loc="left", fontsize=LABEL, color=SOFT, y=1.04 + 0.06 * len(found)
         )
-        figure.legend(
-            *zip(*((patch, patch.get_label()) for patch in axes.collections), strict=True),
-            loc="outside lower left", ncols=3, frameon=False, fontsize=TICK, labelcolor=INK,
-        )  # fmt: skip
+        draw_legend(figure, handles=axes.collections, loc="outside lower left", ncols=3)
     return figure
 
 
@@ -161,9 +154,6 @@ def slip_strips(report: Any, *, title: str | None) -> Figure:
         windows.set_xticks([])
     tidy(bars, "residual [mm/s]", "")
     tidy(windows, "windows of slip, stamps [s]", "")
-    figure.legend(
-        *bars.get_legend_handles_labels(), loc="outside lower left", ncols=2, frameon=False, fontsize=TICK,
-        labelcolor=INK,
-    )  # fmt: skip
+    draw_legend(figure, *bars.get_legend_handles_labels(), loc="outside lower left", ncols=2)
     write_title(bars, title, f"slip over {report.rows} rows")
     return figure
