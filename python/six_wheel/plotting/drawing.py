@@ -146,8 +146,8 @@ class _FromAbove:
             across = np.array(
                 [[(u, -0.3 * width), (u, 0.3 * width)] for u in np.linspace(-0.32, 0.32, 5) * length]
             )
-            color = "white" if wheel.driven else self.ink
-            treads = LineCollection(list(across + middle), colors=color, linewidths=0.7, alpha=0.45)
+            fill = to_rgb("white") if wheel.driven else self.ink
+            treads = LineCollection(list(across + middle), colors=fill, linewidths=0.7, alpha=0.45)
             self._add(treads, 0.4, frame)
 
     def _box(
@@ -162,8 +162,9 @@ class _FromAbove:
     ) -> FancyBboxPatch:
         """A box with round corners."""
         round_ = f"round,pad=0,rounding_size={corner}"
+        width, height = size
         look = {"facecolor": fill, "edgecolor": self.ink, "linewidth": line}
-        box = FancyBboxPatch(tuple(middle - size / 2), *size, boxstyle=round_, **look)
+        box = FancyBboxPatch(tuple(middle - size / 2), width, height, boxstyle=round_, **look)
         self._add(box, up, frame)
         return box
 

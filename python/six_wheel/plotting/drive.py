@@ -136,7 +136,9 @@ def _panels(rover: Rover, limits: Limits, sideways: bool) -> list[Panel]:
 
 def _draw_panel(axes: Axes, panel: Panel, begin: Floats, low: Floats, high: Floats, stride: int) -> None:
     for place, (column, hue) in enumerate(zip(panel.columns, panel.hues, strict=True)):
-        x, y = _line(begin, low[:, column], high[:, column], stride)
+        x, y = begin, low[:, column]
+        if stride > 1:  # up and down between the extremes of every stretch
+            x, y = np.repeat(begin, 2), np.stack([y, high[:, column]], axis=1).ravel()
         # The commanded motion is a broad pale line below the limited one.
         asked = hue == ASKED and column < 3
         width = (3.0 if asked else 1.1) / (1.0 if stride == 1 else 2.0)
@@ -159,17 +161,10 @@ def draw_key(axes: Axes, rover: Rover) -> None:
         Line2D([], [], color=SOFT, linewidth=0.9, linestyle=(0, (5, 3)), label="limit"),
     ]
     count = len(rover.wheels)
-    lines += [
-        Line2D(
-            [],
-            [],
-            color=WHEELS[k % len(WHEELS)],
-            linewidth=2.0,
-            linestyle=DASHES[k >= (count + 1) // 2],
-            label=name.replace("_", " "),
-        )
-        for k, name in enumerate(rover.wheel_names)
-    ]
+    for k, name in enumerate(rover.wheel_names):
+        color, dashes = WHEELS[k % len(WHEELS)], DASHES[k >= (count + 1) // 2]
+        label = name.replace("_", " ")
+        lines.append(Line2D([], [], color=color, linewidth=2.0, linestyle=dashes, label=label))
     axes.axis("off")
     draw_legend(axes, handles=lines, fontsize=8, loc="center", ncols=3)
 
@@ -223,13 +218,6 @@ def engine_figure(engine: Drive | ControlledDrive, *, title: str | None) -> Figu
     return drive_figure(engine.rover, engine.course, *path, limits=engine.limits, shares=shares, title=title)
 
 
-def _line(begin: Floats, low: Floats, high: Floats, stride: int) -> tuple[Floats, Floats]:
-    """Through every value, or up and down between the extremes of every stretch."""
-    if stride == 1:
-        return begin, low
-    return np.repeat(begin, 2), np.stack([low, high], axis=1).ravel()
-
-
 def _draw_limits(axes: Axes, lines: Sequence[float], low: Floats, high: Floats) -> None:
     """Dashed lines; what is far from all values is only said."""
     bottom, top = min(float(low.min()), 0.0), max(float(high.max()), 0.0)
@@ -267,8 +255,10 @@ def _draw_reasons(
         spans = [(edges[a], edges[b] - edges[a]) for a, b in turns.reshape(-1, 2)]
         axes.axhspan(place - 0.36, place + 0.36, color=FAINT, alpha=0.3, linewidth=0, zorder=0)
         axes.broken_barh(spans, (place - 0.36, 0.72), facecolors=_colour(each), linewidth=0, zorder=2)
+        share = shares[str(each.name)]
+        words = f"{100 * share:.1f} %" if share >= 0.001 else "< 0.1 %"
         axes.annotate(
-            _percent(shares[str(each.name)]), (1, place), (4, 0), axes.get_yaxis_transform(), "offset points",
+            words, (1, place), (4, 0), axes.get_yaxis_transform(), "offset points",
             va="center", fontsize=7.5, color=SOFT, annotation_clip=False,
         )  # fmt: skip
     axes.set_ylim(len(reasons) - 0.4 if reasons else 1.0, -0.6)
@@ -286,7 +276,3 @@ def _colour(reason: Reason) -> str:
     if reason & ROLLING:
         return MOTION
     return SOFT if reason.value & STATES else BODILY
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.1f} %" if share >= 0.001 else "< 0.1 %"

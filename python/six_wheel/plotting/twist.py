@@ -6,6 +6,7 @@ Everything is drawn on the page, forward up: the body's (x, y) stands at (-y, x)
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -49,6 +50,7 @@ LETTER, LINE = 0.068, 0.165  # [in] of words in these pictures, about
 CLEAR = 0.08  # [in] from words to the middle of a line that does not touch them
 WAYS = np.array([(math.cos(way), math.sin(way)) for way in np.radians(np.arange(0.0, 360.0, 15.0))])
 HALO = [withStroke(linewidth=3, foreground="white")]  # keeps words readable on lines
+WORDS: dict[str, Any] = {"fontsize": 8, "linespacing": 1.4, "path_effects": HALO, "zorder": 8}
 
 
 def view(
@@ -71,24 +73,8 @@ def draw_steering_ranges(axes: Axes, rover: Rover) -> None:
         if wheel.steering_range is not None:
             ends = np.clip(wheel.steering_range, -np.pi, np.pi)  # an endless joint has the whole circle
             lower, upper = np.degrees(ends + wheel.heading + FORWARD_UP)
-            axes.add_patch(
-                Wedge(
-                    (-wheel.y, wheel.x),
-                    1.6 * wheel.radius,
-                    lower,
-                    upper,
-                    color=AXLE,
-                    alpha=0.13,
-                    linewidth=0,
-                    zorder=1,
-                )
-            )
-
-
-def draw_icr_line(axes: Axes, rover: Rover) -> None:
-    """The line of the unsteered wheels, with the turns that the steering limits forbid."""
-    for height in icr_levels(rover):
-        _draw_icr_line(axes, rover, height)
+            look: dict[str, Any] = {"color": AXLE, "alpha": 0.13, "linewidth": 0, "zorder": 1}
+            axes.add_patch(Wedge((-wheel.y, wheel.x), 1.6 * wheel.radius, lower, upper, **look))
 
 
 def icr_levels(rover: Rover) -> list[float]:
@@ -99,7 +85,8 @@ def icr_levels(rover: Rover) -> list[float]:
     return [float(np.mean([wheel.x - wheel.trail * math.cos(wheel.heading) for wheel in fixed]))]
 
 
-def _draw_icr_line(axes: Axes, rover: Rover, height: float) -> None:
+def draw_icr_line(axes: Axes, rover: Rover, height: float) -> None:
+    """The line of the unsteered wheels, with the turns that the steering limits forbid."""
     axes.axhline(height, color=SOFT, linewidth=0.8, linestyle=(0, (6, 4)), zorder=1.1)
     island, smallest = rover.spin_radius, rover.min_radius
     if not island < smallest:
@@ -226,33 +213,7 @@ def draw_labels(axes: Axes, rover: Rover, steering: Floats, speeds: Floats, line
         ]
         best = min(places, key=cost)
         taken.append(np.stack((best, half)))
-        text(axes, best[0], best[1], f"{wheel.name}\n{reading}", color=INK)
-
-
-def text(
-    axes: Axes,
-    x: float,
-    y: float,
-    words: str,
-    *,
-    color: str,
-    ha: str = "center",
-    va: str = "center",
-    weight: str = "normal",
-) -> None:
-    axes.text(
-        x,
-        y,
-        words,
-        color=color,
-        ha=ha,
-        va=va,
-        fontsize=8,
-        weight=weight,
-        linespacing=1.4,
-        path_effects=HALO,
-        zorder=8,
-    )
+        axes.text(best[0], best[1], f"{wheel.name}\n{reading}", color=INK, ha="center", va="center", **WORDS)
 
 
 def draw_icr(axes: Axes, icr: Floats, low: Floats, high: Floats) -> None:
@@ -260,9 +221,10 @@ def draw_icr(axes: Axes, icr: Floats, low: Floats, high: Floats) -> None:
     x, y = float(icr[0]), float(icr[1])
     axes.plot(x, y, "o", color=CENTRE, markersize=7, markeredgecolor="white", zorder=7)
     if low[0] < x < high[0]:
-        text(axes, x, y - 0.05 * float(high[1] - low[1]), "ICR", color=CENTRE, weight="bold", va="top")
+        y, words, place = y - 0.05 * float(high[1] - low[1]), "ICR", ("center", "top")
     else:
-        text(axes, x, y, "   ICR   ", color=CENTRE, weight="bold", ha="right" if x < low[0] else "left")
+        words, place = "   ICR   ", ("right" if x < low[0] else "left", "center")
+    axes.text(x, y, words, color=CENTRE, weight="bold", ha=place[0], va=place[1], **WORDS)
 
 
 def point_at(axes: Axes, icr: Floats) -> None:
@@ -276,18 +238,8 @@ def point_at(axes: Axes, icr: Floats) -> None:
 
 
 def _corner(axes: Axes, words: str, *, right: bool = False, color: str = CENTRE) -> None:
-    axes.annotate(
-        words,
-        (float(right), 0.0),
-        (-6 if right else 6, 6),
-        "axes fraction",
-        "offset points",
-        ha="right" if right else "left",
-        fontsize=8,
-        color=color,
-        path_effects=HALO,
-        zorder=8,
-    )
+    place, shift, side = ((1.0, 0.0), (-6, 6), "right") if right else ((0.0, 0.0), (6, 6), "left")
+    axes.annotate(words, place, shift, "axes fraction", "offset points", ha=side, color=color, **WORDS)
 
 
 def draw_key(figure: Figure, rover: Rover, moving: bool) -> None:
@@ -362,11 +314,10 @@ def show_figure(rover: Rover, twist: ArrayLike, *, title: str | None = None) -> 
     axes.xaxis.set_major_formatter(lambda value, _: number(-value))  # left of the page is +y
 
     draw_steering_ranges(axes, rover)
-    draw_icr_line(axes, rover)
-    lines: list[Floats] = [
-        np.stack(np.broadcast_arrays(np.linspace(left, right, 300), level), axis=-1)
-        for level in icr_levels(rover)
-    ]
+    lines: list[Floats] = []
+    for level in icr_levels(rover):
+        draw_icr_line(axes, rover, level)
+        lines.append(np.stack(np.broadcast_arrays(np.linspace(left, right, 300), level), axis=-1))
     if moving:
         lines += draw_turning_circles(axes, contacts(rover, steering), asked, icr, size, shown)
         lines += draw_axles(axes, rover, steering, icr, size)

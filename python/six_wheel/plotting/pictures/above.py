@@ -103,32 +103,23 @@ def fit_figure(fit: Any, *, title: str | None) -> Figure:
 
 def _label(axes: Axes, place: Floats, words: str) -> None:
     """Words beside a wheel, on the side away from the body."""
-    side = 1 if place[0] >= 0.0 else -1
-    x, y = place.tolist()
-    axes.annotate(
-        words,
-        (x, y),
-        (22 * side, 0),
-        textcoords="offset points",
-        fontsize=8.5,
-        color=INK,
-        va="center",
-        ha="left" if side > 0 else "right",
-        zorder=9,
-    )
+    shift, side = (22, "left") if place[0] >= 0.0 else (-22, "right")
+    look: dict[str, Any] = {
+        "textcoords": "offset points",
+        "fontsize": 8.5,
+        "color": INK,
+        "va": "center",
+        "zorder": 9,
+    }
+    axes.annotate(words, tuple(place), (shift, 0), ha=side, **look)
 
 
 def _arrow(axes: Axes, twist: Floats, size: float) -> None:
     """The velocity of the origin."""
     way = page(twist[:2])
     if (length := float(np.hypot(*way))) > 0.0:
-        axes.annotate(
-            "",
-            (float(way[0]) * size / length, float(way[1]) * size / length),
-            (0.0, 0.0),
-            arrowprops={"arrowstyle": "-|>", "color": MOTION, "lw": 2.5},
-            zorder=9,
-        )
+        arrow = {"arrowstyle": "-|>", "color": MOTION, "lw": 2.5}
+        axes.annotate("", tuple(size / length * way), (0.0, 0.0), arrowprops=arrow, zorder=9)
 
 
 def _told(twist: Any) -> str:
@@ -159,12 +150,8 @@ def mobility_figure(found: Any, *, title: str | None) -> Figure:
             path = page(
                 np.array([exp(side * motion, t)[:2] for t in np.linspace(0.0, _duration(motion), 60)])
             )
-            axes.plot(
-                *path.T,
-                color=(MOTION, AXLE, CENTRE)[place % 3],
-                linewidth=2,
-                linestyle="-" if side > 0 else "--",
-            )
+            colour, style = (MOTION, AXLE, CENTRE)[place % 3], "-" if side > 0 else "--"
+            axes.plot(*path.T, style, color=colour, linewidth=2)
         vx, vy, omega = motion
         if abs(omega) > 1e-9:
             axes.plot(-vx / omega, -vy / omega, "o", color=CENTRE, markersize=8)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from six_wheel.plotting.drawing import (
@@ -61,6 +62,20 @@ def jacobian_bars(found: Any, *, title: str | None) -> Figure:
     return figure
 
 
+def number_bars(
+    axes: Axes, values: Mapping[str, float], size: float, *, bad: Collection[str] = (), **look: Any
+) -> None:
+    """A row for each name with its number at the bar; those that are bad in another colour."""
+    for place, (name, value) in enumerate(values.items()):
+        shown = value if np.isfinite(value) else 0.0
+        style: dict[str, Any] = {"color": AXLE, "height": 0.55} | look
+        axes.barh(place, shown, **style | ({"color": FORBIDDEN} if name in bad else {"hatch": ""}))
+        words = number(value, ".3g") if np.isfinite(value) else str(value)
+        axes.annotate(f" {words}", (max(shown, 0.0), place), va="center", fontsize=size, color=INK)
+    axes.set_yticks(range(len(values)), list(values))
+    axes.invert_yaxis()
+
+
 def named_bars(
     values: Mapping[str, float],
     *,
@@ -71,14 +86,7 @@ def named_bars(
 ) -> Figure:
     """A row for each name with its number at the bar; those that are bad in another colour, hatched."""
     figure, axes = one_axes(1.2 + 0.36 * len(values))
-    for place, (name, value) in enumerate(values.items()):
-        shown = value if np.isfinite(value) else 0.0
-        colour, hatch = (FORBIDDEN, "///") if name in bad else (MOTION, "")
-        axes.barh(place, shown, color=colour, hatch=hatch, edgecolor="white", height=0.55)
-        shown_as = number(value, ".3g") if np.isfinite(value) else str(value)
-        axes.annotate(f" {shown_as} ", (max(shown, 0.0), place), color=INK, fontsize=LABEL, va="center")
-    axes.set_yticks(range(len(values)), list(values))
-    axes.invert_yaxis()
+    number_bars(axes, values, LABEL, bad=bad, hatch="///", color=MOTION, edgecolor="white")
     axes.axvline(0.0, color=SOFT, linewidth=0.8)
     axes.margins(x=0.15)
     if not any(values.values()):
@@ -106,23 +114,16 @@ def sequence_bars(sequence: Any, *, title: str | None) -> Figure:
 
 def bounds_bars(found: Any, *, title: str | None) -> Figure:
     """`PoseBounds`: the interval of every quantity; of several poses their hull."""
-    names = {
-        "z": "m",
-        "roll": "rad",
-        "pitch": "rad",
-        "tilt": "rad",
-        "clearance": "m",
-        "rocker": "rad",
-        "wheel_drop": "m",
-    }
+    lengths = ("z", "clearance", "wheel_drop")
+    names = ("z", "roll", "pitch", "tilt", "clearance", "rocker", "wheel_drop")
     figure, axes = one_axes(3.6)
-    for place, (name, unit) in enumerate(names.items()):
+    for place, name in enumerate(names):
         ends = np.asarray(getattr(found, name), dtype=float).reshape(-1, 2)
         low, high = np.nanmin(ends[:, 0], initial=np.inf), np.nanmax(ends[:, 1], initial=-np.inf)
         if not low <= high:
             continue
         axes.plot([low, high], [place, place], color=AXLE, linewidth=7, solid_capstyle="butt")
-        words = f"{number(low, '.3g')} to {number(high, '.3g')} {unit}"
+        words = f"{number(low, '.3g')} to {number(high, '.3g')} {'m' if name in lengths else 'rad'}"
         axes.annotate(
             words, (high, place), (6, 0), textcoords="offset points", va="center", fontsize=9, color=INK
         )
@@ -165,13 +166,7 @@ def slip_bars(found: Any, *, title: str | None) -> Figure:
         (parts, dict(zip(names, slip.tolist(), strict=True)), "slip [m/s, rad/s]"),
         (test, tests, "chi squared [1]"),
     ):
-        colours = [FORBIDDEN if name == "statistic" and found.slipping else AXLE for name in values]
-        axes.barh(range(len(values)), list(values.values()), color=colours, height=0.5)
-        for place, value in enumerate(values.values()):
-            words_at = (max(value, 0.0), place)
-            axes.annotate(f" {number(value, '.3g')}", words_at, va="center", fontsize=TICK, color=INK)
-        axes.set_yticks(range(len(values)), list(values))
-        axes.invert_yaxis()
+        number_bars(axes, values, TICK, bad={"statistic"} if found.slipping else (), height=0.5)
         axes.axvline(0.0, color=SOFT, linewidth=0.8)
         axes.margins(x=0.25)
         tidy(axes, words, "")

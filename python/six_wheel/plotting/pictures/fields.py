@@ -94,14 +94,8 @@ def _draw_costs(axes: Axes, costmap: Costmap) -> None:
     draw_costmap(axes, costmap)
     values, lethal = np.asarray(costmap.values, dtype=float), costmap.lethal
     if lethal is not None and (values >= lethal).any():
-        axes.contourf(
-            *_nodes(costmap, values.shape),
-            values >= lethal,
-            levels=[0.5, 1.5],
-            colors="none",
-            hatches=["xxx"],
-            zorder=0.6,
-        )
+        look: dict[str, Any] = {"levels": [0.5, 1.5], "colors": "none", "hatches": ["xxx"], "zorder": 0.6}
+        axes.contourf(*_nodes(costmap, values.shape), values >= lethal, **look)
     tidy(axes, "x [m]", "y [m]")
 
 
@@ -161,13 +155,8 @@ def planner_figure(
     start = (0.0, 0.0, 0.0) if plan is None else plan.poses[0]
     figure, axes = one_axes(5.4)
     if len(planner.costs):
-        _draw_rollouts(
-            axes,
-            figure,
-            np.asarray(rollout(planner.wishes, planner.dt, start)),
-            planner.costs,
-            "cost of a rollout [1]",
-        )
+        paths = np.asarray(rollout(planner.wishes, planner.dt, start))
+        _draw_rollouts(axes, figure, paths, planner.costs, "cost of a rollout [1]")
     if plan is None:
         _draw_poses(axes, np.asarray(rollout(planner.state["controls"][None], planner.dt))[0])
         words = ("ahead of the rover [m]", "to its left [m]")

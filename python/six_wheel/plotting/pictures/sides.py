@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from six_wheel._core import RockerBogie, SettledPose, Suspension, Terrain
+from six_wheel._core import RockerBogie, SettledPose, Suspension
 from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drawing import (
     AXLE,
@@ -20,7 +20,6 @@ from six_wheel.plotting.drawing import (
     LABEL,
     PAGE_WIDTH,
     SOFT,
-    TRACK,
     WHEEL,
     equal_scales,
     new_figure,
@@ -29,7 +28,7 @@ from six_wheel.plotting.drawing import (
     tidy,
     write_title,
 )
-from six_wheel.plotting.ground.side import draw_side_view
+from six_wheel.plotting.ground.side import along_heading, draw_ground_line, draw_side_view, on_level_ground
 from six_wheel.plotting.pictures.strips import strips
 
 
@@ -63,26 +62,20 @@ def _draw(axes: Axes, stand: Any) -> None:
     if isinstance(stand.suspension, RockerBogie):
         draw_side_view(axes, stand.suspension, stand)
         return
-    x, y, yaw = stand.poses
-    heading = np.array((np.cos(yaw), np.sin(yaw)))
-    centres = np.asarray(stand.wheel_centres)
-    ahead = (centres[:, :2] - (x, y)) @ heading
-    radii = np.linalg.norm(stand.contacts - centres, axis=1)
-    body = np.asarray(stand.transform)[:3, 3]
-    for k, (place, up, radius) in enumerate(zip(ahead, centres[:, 2], radii, strict=True)):
-        axes.plot([0.0, place], [body[2], up], color=AXLE, linewidth=2, alpha=1.0 if k % 2 == 0 else 0.4)
-        axes.add_patch(Circle((place, up), radius, fc=BODY, ec=WHEEL, lw=2, alpha=1.0 if k % 2 == 0 else 0.4))
+    centres = along_heading(stand, stand.wheel_centres)
+    ahead, radii = centres[:, 0], np.linalg.norm(stand.contacts - stand.wheel_centres, axis=1)
+    for k, ((place, up), radius) in enumerate(zip(centres, radii, strict=True)):
+        alpha = 1.0 if k % 2 == 0 else 0.4
+        axes.plot([0.0, place], [stand.transform[2, 3], up], color=AXLE, linewidth=2, alpha=alpha)
+        axes.add_patch(Circle((place, up), radius, fc=BODY, ec=WHEEL, lw=2, alpha=alpha))
     reach = float(np.ptp(ahead)) / 2 + 2 * float(radii.max())
     along = np.linspace(ahead.mean() - reach, ahead.mean() + reach, 400)
-    height: Floats = np.asarray(stand.ground.height_at(np.array((x, y)) + along[:, None] * heading))
-    axes.fill_between(along, height, np.nanmin(height) - radii.max(), color=TRACK, zorder=0)
-    axes.plot(along, height, color=INK, linewidth=1)
+    draw_ground_line(axes, stand, along, 0.0, depth=radii.max())
 
 
 def suspension_figure(arm: Suspension, *, title: str | None) -> Figure:
     """A `Suspension`: on level ground, from the left with its vectors by name, and from behind."""
-    level = Terrain(np.zeros((2, 2)), 1000.0, (-500.0, -500.0))
-    stand = arm.settle(level, (0.0, 0.0, 0.0))
+    stand = on_level_ground(arm)
     figure = new_figure(PAGE_WIDTH, 6.4)
     side, behind = figure.subplots(2, 1)
     _draw(side, stand)
@@ -172,16 +165,13 @@ def ground_motion_figure(found: Any, *, title: str | None, stand: SettledPose | 
     grid = figure.add_gridspec(2, len(known))
     side = figure.add_subplot(grid[0, :])
     _draw(side, stand)
-    x, y, yaw = stand.poses
-    heading = np.array((np.cos(yaw), np.sin(yaw)))
-    centres = np.asarray(stand.wheel_centres)
-    radius = float(np.linalg.norm(np.asarray(stand.contacts)[0] - centres[0]))
+    centres = along_heading(stand, stand.wheel_centres).tolist()
+    radius = float(np.linalg.norm(stand.contacts[0] - stand.wheel_centres[0]))
     top = side.get_ylim()[1] + 0.2 * radius
     row_height = 1.2 * radius
     for k, (name, told) in enumerate(zip(stand.suspension.wheel_names, words, strict=True)):
-        ahead = float((centres[k, :2] - (x, y)) @ heading)
         side.annotate(
-            f"{name.replace('_', ' ')}\n{told}", (ahead, centres[k, 2]), (ahead, top + row_height * (k % 2)),
+            f"{name.replace('_', ' ')}\n{told}", centres[k], (centres[k][0], top + row_height * (k % 2)),
             fontsize=8, color=INK, ha="center", va="bottom", zorder=20,
             arrowprops={"arrowstyle": "-", "color": SOFT, "linewidth": 0.6, "alpha": 1.0 - 0.6 * (k % 2)},
         )  # fmt: skip

@@ -26,6 +26,7 @@ from six_wheel.plotting.drawing import (
     tidy,
     write_title,
 )
+from six_wheel.plotting.pictures.bars import number_bars
 
 TOUCHES = 1e-6  # [m] between a wheel and the ground it touches
 HIGHEST = 1e3  # of a centre of mass above the contacts, in sizes of the support polygon
@@ -60,14 +61,7 @@ def stability_figure(found: Any, *, title: str | None, stand: SettledPose | None
 
 
 def _bars(axes: Axes, values: dict[str, float], words: str) -> None:
-    heights = [value if np.isfinite(value) else 0.0 for value in values.values()]
-    colours = [FORBIDDEN if value < 0.0 else AXLE for value in values.values()]
-    axes.barh(range(len(values)), heights, color=colours, height=0.55)
-    for place, value in enumerate(values.values()):
-        at = (max(heights[place], 0.0), place)
-        axes.annotate(f" {number(value, '.3g')}", at, va="center", fontsize=TICK, color=INK)
-    axes.set_yticks(range(len(values)), list(values))
-    axes.invert_yaxis()
+    number_bars(axes, values, TICK, bad={name for name, value in values.items() if value < 0.0})
     axes.margins(x=0.3)
     tidy(axes, words, "")
 
