@@ -7,7 +7,7 @@ or of what their readings mean. So any vehicle can be calibrated: nothing here k
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -92,29 +92,40 @@ class Catalogue:
             name: np.array([getattr(wheel, name) or 0.0 for wheel in rover.wheels])
             for name in WHEEL_QUANTITIES
         }
-        self._groups: Mapping[str, Callable[[], list[Parameter]]] = {
-            "wheel_radius": self._shared_radius,
-            "wheel_radii": self._radii,
-            "side_radii": self._side_radii,
-            "track_width": lambda: self._scaled("track_width", "y"),
-            "wheelbase": lambda: self._scaled("wheelbase", "x"),
-            "arm_length": self._arm_length,
-            "steering_offset": self._steering_offsets,
-            "steering_gain": self._steering_gains,
-            "roller_angle": self._roller_angle,
-            "encoder_scale": lambda: [self._of_readings("encoder_scale")],
-            "icr_left": lambda: self._icr("icr_left", 1.0),
-            "icr_right": lambda: self._icr("icr_right", -1.0),
-            "icr_forward": self._icr_forward,
-            "skid": lambda: [
-                *self._icr("icr_left", 1.0),
-                *self._icr("icr_right", -1.0),
-                *self._icr_forward(),
+        x, y, each = self._values["x"], self._values["y"], np.eye(len(self._encoders))
+        steered = [place for place, wheel in enumerate(rover.wheels) if wheel.steered]
+        names = [rover.wheel_names[place] for place in steered]
+        centres = {name: self._icr(name, side) for name, side in (("icr_left", 1.0), ("icr_right", -1.0))}
+        forward = self._icr_forward() if all(centres.values()) else []
+        self._groups: Mapping[str, list[Parameter]] = {
+            "wheel_radius": self._radius("wheel_radius", np.ones(len(each), dtype=bool)),
+            "wheel_radii": [
+                one
+                for name, chosen in zip(rover.wheel_names, each, strict=True)
+                for one in self._radius(f"wheel_radius[{name}]", chosen > 0.0)
             ],
-            "time_offset": lambda: [Parameter("time_offset", "s", 0.0, PLAUSIBLE_DELAY)],
-            "sensor": lambda: self._frame("sensor"),
-            "origin": lambda: self._frame("origin"),
+            "side_radii": self._side_radii(),
+            "track_width": self._scaled("track_width", float(np.ptp(y)), y=y),
+            "wheelbase": self._scaled("wheelbase", float(np.ptp(x)), x=x),
+            "arm_length": self._scaled("arm_length", float(np.hypot(x, y).mean()), x=x, y=y),
+            "steering_offset": [
+                Parameter(f"steering_offset[{name}]", "rad", 0.0, PLAUSIBLE_ANGLE, {"heading": each[place]})
+                for name, place in zip(names, steered, strict=True)
+            ],
+            "steering_gain": [
+                Parameter(f"steering_gain[{name}]", "", 1.0, PLAUSIBLE_SHARE, gain=gain, positive=True)
+                for name, gain in zip(names, np.eye(len(steered)), strict=True)
+            ],
+            "roller_angle": self._roller_angle(),
+            "encoder_scale": [Parameter("encoder_scale", "", 1.0, PLAUSIBLE_SHARE, positive=True)],
+            **centres,
+            "icr_forward": forward,
+            "skid": [*centres["icr_left"], *centres["icr_right"], *forward],
+            "time_offset": [Parameter("time_offset", "s", 0.0, PLAUSIBLE_DELAY)],
+            "sensor": self._frame("sensor"),
+            "origin": self._frame("origin"),
         }
+        self._singles = {member.name: member for group in self._groups.values() for member in group}
 
     @property
     def has_rollers(self) -> bool:
@@ -124,25 +135,20 @@ class Catalogue:
     @property
     def names(self) -> list[str]:
         """Every name `find` knows for this rover."""
-        singles = [member.name for group in self._groups.values() for member in group()]
-        return list(dict.fromkeys([name for name, group in self._groups.items() if group()] + singles))
+        return list(dict.fromkeys([*(name for name, group in self._groups.items() if group), *self._singles]))
 
     def find(self, names: Iterable[str]) -> list[Parameter]:
         """The parameters of these names, each once. Raises `ValueError` if the rover has no such
         parameter."""
         found: dict[str, Parameter] = {}
         for name in names:
-            members = self._groups[name]() if name in self._groups else self._single(name)
-            if not members:
+            single = [self._singles[name]] if name in self._singles else []
+            if not (members := self._groups.get(name, single)):
                 known = ", ".join(self.names)
                 near = did_you_mean(str(name), self.names)
                 raise ValueError(f"parameters must be some of {known} for this rover, got {name!r}{near}")
             found |= {member.name: member for member in members}
         return list(found.values())
-
-    def _single(self, name: str) -> list[Parameter]:
-        everything = (member for group in self._groups.values() for member in group())
-        return [next(member for member in everything if member.name == name)] if name in self.names else []
 
     # --- each of them ------------------------------------------------------------------------------------
 
@@ -158,14 +164,6 @@ class Catalogue:
         value = float(radii[chosen].mean())
         return [self._length(name, value, {"radius": np.where(chosen, radii / value, 0.0)}, "radius")]
 
-    def _shared_radius(self) -> list[Parameter]:
-        return self._radius("wheel_radius", np.ones(len(self._encoders), dtype=bool))
-
-    def _radii(self) -> list[Parameter]:
-        each = np.eye(len(self._encoders), dtype=bool)
-        names = (f"wheel_radius[{name}]" for name in self._rover.wheel_names)
-        return [one for name, chosen in zip(names, each, strict=True) for one in self._radius(name, chosen)]
-
     def _side_radii(self) -> list[Parameter]:
         y = self._values["y"]
         if (self._encoders & (np.abs(y) <= LEVEL * size(self._rover))).any():
@@ -173,33 +171,9 @@ class Catalogue:
         left, right = self._radius("wheel_radius_left", y > 0.0), self._radius("wheel_radius_right", y < 0.0)
         return left + right if left and right else []
 
-    def _scaled(self, name: str, axis: str) -> list[Parameter]:
-        places = self._values[axis]
-        value = float(np.ptp(places))
-        return [self._length(name, value, {axis: places / value})] if value > 0.0 else []
-
-    def _arm_length(self) -> list[Parameter]:
-        x, y = self._values["x"], self._values["y"]
-        value = float(np.hypot(x, y).mean())
-        return [self._length("arm_length", value, {"x": x / value, "y": y / value})] if value > 0.0 else []
-
-    def _steered(self) -> list[tuple[int, str]]:
-        return [(i, wheel.name) for i, wheel in enumerate(self._rover.wheels) if wheel.steered]
-
-    def _steering_offsets(self) -> list[Parameter]:
-        each = np.eye(len(self._encoders))
-        return [
-            Parameter(f"steering_offset[{name}]", "rad", 0.0, PLAUSIBLE_ANGLE, {"heading": each[i]})
-            for i, name in self._steered()
-        ]
-
-    def _steering_gains(self) -> list[Parameter]:
-        steered = self._steered()
-        each = np.eye(len(steered))
-        return [
-            Parameter(f"steering_gain[{name}]", "", 1.0, PLAUSIBLE_SHARE, gain=row, positive=True)
-            for (_, name), row in zip(steered, each, strict=True)
-        ]
+    def _scaled(self, name: str, value: float, **places: Floats) -> list[Parameter]:
+        """A length with which the places of all wheels grow; none where it is 0."""
+        return [self._length(name, value, {a: p / value for a, p in places.items()})] if value > 0.0 else []
 
     def _roller_angle(self) -> list[Parameter]:
         """One number for the rollers of all wheels: where they give way they act as if at another angle."""
@@ -208,9 +182,6 @@ class Catalogue:
             return []  # rollers straight across give way the same however they stand
         value = float(np.abs(angles[angles != 0.0]).mean())
         return [Parameter("roller_angle", "rad", value, PLAUSIBLE_ANGLE, {"roller_angle": angles / value})]
-
-    def _of_readings(self, name: str) -> Parameter:
-        return Parameter(name, "", 1.0, PLAUSIBLE_SHARE, positive=True)
 
     def _icr(self, name: str, side: float) -> list[Parameter]:
         """Lateral place of the centres of rotation of one side: where its wheels act, not where they are."""
@@ -228,8 +199,6 @@ class Catalogue:
         return [Parameter(name, "m", value, range_, {"scrub": chosen.astype(np.float64)})]
 
     def _icr_forward(self) -> list[Parameter]:
-        if not self._icr("icr_left", 1.0) or not self._icr("icr_right", -1.0):
-            return []
         value = float((self._values["x"] - self._values["trail"]).mean())
         every = -np.ones(len(self._encoders))
         return [Parameter("icr_forward", "m", value, 0.5 * size(self._rover), {"trail": every})]

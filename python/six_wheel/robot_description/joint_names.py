@@ -59,8 +59,9 @@ def wheel_said_by(name: str, wheels: Iterable[str], places: Iterable[str] = ()) 
         if not same and len(agreeing) == 1:  # "left_wheel" of a car that drives two wheels, both at the rear
             return agreeing[0]
     placeless = [wheel for wheel in known if said_by(wheel) is None]
-    for match in (_is_named_in, _has_numbers_of):
-        matching = [wheel for wheel in placeless if match(wheel, name)]
+    named = [w for w in placeless if re.search(rf"(?<![A-Za-z0-9]){re.escape(w)}(?![A-Za-z0-9])", name)]
+    numbered = [wheel for wheel in placeless if _numbers(wheel) and _numbers(wheel) == _numbers(name)]
+    for matching in (named, numbered):
         longest = [wheel for wheel in matching if len(wheel) == max(map(len, matching))]
         if len(longest) == 1:
             return longest[0]
@@ -95,14 +96,6 @@ def agree(one: Said | None, other: Said | None) -> bool:
         or other is None
         or all(a in (b, None) or b is None for a, b in zip(one, other, strict=True))
     )
-
-
-def _is_named_in(wheel: str, name: str) -> bool:
-    return re.search(rf"(?<![A-Za-z0-9]){re.escape(wheel)}(?![A-Za-z0-9])", name) is not None
-
-
-def _has_numbers_of(wheel: str, name: str) -> bool:
-    return bool(_numbers(wheel)) and _numbers(wheel) == _numbers(name)
 
 
 def _numbers(name: str) -> list[str]:

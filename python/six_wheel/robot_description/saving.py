@@ -17,14 +17,10 @@ def save_rover(rover: Rover, path: str | PathLike[str], **others: Any) -> None:
             raise ValueError(f"{next(iter(others))} must be left out for a URDF, which has no place for it")
         text = rover.urdf()
     elif ending in (".yaml", ".yml"):
-        text = _parameters(rover, others)
+        with needed("six-wheel[cli]", "parameter files need"):
+            from six_wheel.robot_description.parameters.writing import dump
+        text = dump(rover, **others)
     else:
         raise ValueError(f"path must end in .yaml, .yml or .urdf, got {str(path)!r}")
     with replacing(target) as temporary:
         temporary.write_text(text, encoding="utf-8")
-
-
-def _parameters(rover: Rover, others: dict[str, Any]) -> str:
-    with needed("six-wheel[cli]", "parameter files need"):
-        from six_wheel.robot_description.parameters.writing import dump
-    return dump(rover, **others)

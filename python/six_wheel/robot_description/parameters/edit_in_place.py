@@ -22,7 +22,7 @@ from six_wheel.robot_description.parameters.detect_format import form_of, sectio
 from six_wheel.robot_description.parameters.file import Parameters, parse_parameters
 from six_wheel.robot_description.parameters.key_types import Values
 from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETERS, Section
-from six_wheel.robot_description.parameters.ros_yaml import Path, Tree
+from six_wheel.robot_description.parameters.ros_yaml import Path, Tree, value_at
 from six_wheel.robot_description.parameters.schema import GROUPS, Form, check_values
 from six_wheel.robot_description.parameters.writing import dump
 from six_wheel.robot_description.wheels_of_rover import joints_as_given
@@ -205,12 +205,6 @@ def _with(values: Any, path: Path, value: float) -> Any:
     return copy
 
 
-def _at(values: Any, path: Path) -> Any:
-    for part in path:
-        values = values[part]
-    return values
-
-
 def _solve(file: _File, paths: Sequence[Path], rover: Rover) -> Values | None:
     """Values of these keys for which the form's layout gives the wheels of the rover, or None."""
     wanted = _quantities(rover)
@@ -225,7 +219,7 @@ def _solve(file: _File, paths: Sequence[Path], rover: Rover) -> Values | None:
     def wheels(numbers: Floats) -> Floats:
         return _quantities(file.form.layout(file.form.complete(file.section, filled(numbers))))
 
-    numbers = np.array([_at(file.values, path) for path in paths], dtype=float)
+    numbers = np.array([value_at(file.values, path) for path in paths], dtype=float)
     try:
         for _ in range(STEPS):
             now = wheels(numbers)
@@ -276,7 +270,11 @@ def _edit(file: _File, values: Values) -> str | None:
             places: list[tuple[Path, Any]] = [((key,), value)]
         else:
             paths = list(_leaves(value, (key,)))
-            places = [(path, _at(values, path)) for path in paths if _at(values, path) != _at(before, path)]
+            places = [
+                (path, value_at(values, path))
+                for path in paths
+                if value_at(values, path) != value_at(before, path)
+            ]
         for path, number in places:
             node = nodes.get(absolute.get(id(file.section.places.get(path)), ()))
             if not isinstance(node, yaml.ScalarNode):

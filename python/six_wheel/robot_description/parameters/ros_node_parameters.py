@@ -21,6 +21,7 @@ from six_wheel.robot_description.parameters.ros_yaml import (
     nearest,
     one_line,
     spell,
+    value_at,
 )
 
 PARAMETERS = "ros__parameters"
@@ -67,9 +68,7 @@ class Section:
     def rename(self, at: Path, meant: str) -> None:
         """Take the value of one key, wherever it stands, for that of another."""
         around, key = at[:-1], at[-1]
-        holder: dict[Any, Any] = self.data
-        for part in around:
-            holder = holder[part]
+        holder: dict[Any, Any] = value_at(self.data, around)
         renamed = {meant if name == key else name: value for name, value in holder.items()}
         holder.clear()
         holder.update(renamed)
@@ -82,7 +81,7 @@ class Section:
     def add(self, tree: Tree, block: Path, keys: Collection[str], *, only: str | None = None) -> None:
         """Lay the parameters of a block, or one of them, over those already here, as ROS 2 does."""
         targets: dict[Path, Path] = {}
-        for key, value in _at(tree, block).items():
+        for key, value in tree.at(block).items():
             if only is not None and key != only:
                 continue
             source = (*block, key)
@@ -91,7 +90,7 @@ class Section:
                 for inner in _leaves(value):
                     flat = ".".join([key, *inner])
                     targets[(*source, *inner)] = (flat,)
-                    self._lay((flat,), _at_path(value, inner))
+                    self._lay((flat,), value_at(value, inner))
                 continue
             target: Path = (key,)
             if tail and head in keys and head not in GROUPS and key not in keys:
@@ -218,7 +217,7 @@ def section(
             # Read all the same: what else is wrong with it is to be reported too, and not that it is missing.
             found.add(tree, path[:-1], keys, only=str(path[-1]))
     for path in blocks:
-        if path == chosen or (_node_name(path) == ANY_NODE and isinstance(_at(tree, path), dict)):
+        if path == chosen or (_node_name(path) == ANY_NODE and isinstance(tree.at(path), dict)):
             found.add(tree, path, keys)
     return found
 
@@ -252,7 +251,7 @@ def _types(tree: Tree, blocks: list[Path]) -> dict[Path, str]:
     said: dict[str, str] = {}
     own: dict[Path, str] = {}
     for path in blocks:
-        data = _at(tree, path)
+        data = tree.at(path)
         for key, value in data.items() if isinstance(data, dict) else ():
             type_ = value.get("type") if isinstance(value, dict) else value if key.endswith(".type") else None
             if isinstance(type_, str):
@@ -271,12 +270,12 @@ def drives(type_: str) -> bool:
 def _check_nesting(tree: Tree, block: Path, plain: Collection[str], report: Report) -> bool:
     """True if the block holds parameters; mistakes in the levels around them are reported."""
     key, line = str(block[-1]), tree.places[block].line
-    if not isinstance(_at(tree, block), dict):
+    if not isinstance(tree.at(block), dict):
         report(line, block, f"{key} must hold parameters, got none", "indent the parameters below it")
         return False
     if key != PARAMETERS and closest(key, [PARAMETERS]):
         report(line, block, f"unknown key {one_line(key)}", f"did you mean {PARAMETERS}?")
-    elif key != PARAMETERS and not flat_keys(_at(tree, block)) & set(plain):
+    elif key != PARAMETERS and not flat_keys(tree.at(block)) & set(plain):
         message = f"{one_line(key)} has its keys without {PARAMETERS}, so ROS 2 does not read them"
         report(line, block, message, f"indent them under a line {PARAMETERS}:")
     elif len(block) == 1 and key == PARAMETERS:
@@ -293,10 +292,10 @@ def _choose(
     report: Report,
 ) -> Path | None:
     names = {path: _node_name(path) for path in blocks}
-    filled = [path for path in blocks if isinstance(_at(tree, path), dict)]
-    own, *others = ([path for path in filled if flat_keys(_at(tree, path)) & set(told)] for told in telling)
+    filled = [path for path in blocks if isinstance(tree.at(path), dict)]
+    own, *others = ([path for path in filled if flat_keys(tree.at(path)) & set(told)] for told in telling)
     vehicles = {*itertools.chain(*others), *(path for path in filled if drives(types.get(path, "")))}
-    alike = ([path for path in filled if _tells(_at(tree, path), told)] for told in telling)
+    alike = ([path for path in filled if _tells(tree.at(path), told)] for told in telling)
     tiers = itertools.chain([own, [path for path in filled if path in vehicles]], alike)
     candidates = next(filter(None, tiers), [])
     if node is not None:
@@ -348,16 +347,6 @@ def _node_name(block: Path) -> str:
     if len(parts) > 1:
         parts.pop()  # the ros__parameters
     return re.sub("/+", "/", "/".join(parts)) if block[0] != PARAMETERS else ANY_NODE
-
-
-def _at(tree: Tree, path: Path) -> Any:
-    return _at_path(tree.data, path)
-
-
-def _at_path(data: Any, path: Path) -> Any:
-    for part in path:
-        data = data[part]
-    return data
 
 
 class FileFindings:

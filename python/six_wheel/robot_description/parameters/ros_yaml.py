@@ -8,6 +8,8 @@ one, and of a key that is given twice the later counts.
 
 import re
 from collections.abc import Callable
+from functools import reduce
+from operator import getitem
 from typing import Any, NamedTuple, TypeAlias
 
 import yaml
@@ -45,6 +47,15 @@ class Tree(NamedTuple):
 
     data: Any
     places: dict[Path, Place]
+
+    def at(self, path: Path) -> Any:
+        """The data at a path."""
+        return value_at(self.data, path)
+
+
+def value_at(data: Any, path: Path) -> Any:
+    """What nested lists and mappings hold at a path."""
+    return reduce(getitem, path, data)
 
 
 def spell(path: Path) -> str:

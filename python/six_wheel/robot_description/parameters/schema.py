@@ -32,14 +32,6 @@ from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Path, Report, one_line, spell
 
 
-def _nothing(*_: Any) -> None:
-    """Stands in for the rules of a form that has none."""
-
-
-def _unchanged(section: Section, values: Values) -> Values:
-    return values
-
-
 @dataclass(frozen=True)
 class Form:
     """One way in which a parameter file can describe a rover: a kind of this package, or a controller."""
@@ -54,9 +46,9 @@ class Form:
     """Keys that only this form has."""
     stand_in: Values = field(default_factory=dict)
     """Values for what does not decide which wheels there are, to check joints although a number is wrong."""
-    check: Callable[[Section, Values, Report, Report], None] = _nothing
+    check: Callable[[Section, Values, Report, Report], None] = lambda *_: None
     """Reports errors and warnings about keys together, and what the file says beyond our model."""
-    complete: Callable[[Section, Values], Values] = _unchanged
+    complete: Callable[[Section, Values], Values] = lambda section, values: values
     """Adds what follows from the values."""
     controller: str | None = None
     """The type a controller manager knows it by."""

@@ -4,7 +4,7 @@ A kind has the keys of one constructor of `Rover`, under the same names. To add 
 arguments, and an entry in `KINDS`.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Tag, model_validator
@@ -52,19 +52,8 @@ from six_wheel.robot_description.parameters.suspended_types import (
 DIMENSIONS = ("d1", "d2", "d3", "d4", "wheel_radius")
 # Keys by which a rover's node is told from others: these have wheel_radius and frames too.
 TELLING = frozenset(
-    {
-        "kind",
-        "preset",
-        "traction_joints",
-        "steering_joints",
-        "wheel_of_joint",
-        "reversed_joints",
-        "d1",
-        "d2",
-        "d3",
-        "d4",
-    }
-)
+    ("kind", "preset", "traction_joints", "steering_joints", "wheel_of_joint", "reversed_joints")
+) | {*DIMENSIONS[:4]}
 MAX_AXLES = 32  # of two wheels each; a rover has at most 64
 
 _SIX: Values = dict.fromkeys(DIMENSIONS, 1.0)
@@ -333,16 +322,13 @@ def _calls(constructor: Callable[..., Rover], schema: type[Common]) -> Callable[
     """The layout from a constructor whose arguments are the keys."""
 
     def layout(values: Values) -> Rover:
-        arguments = {key: as_argument(values[key]) for key in _arguments(schema) if key in values}
+        known = [key for key in keys_of(schema) if key in values and key not in _NO_ARGUMENTS]
+        arguments = {key: as_argument(values[key]) for key in known}
         if "positions" in arguments:
             arguments["positions"] = _pairs(values["positions"])
         return constructor(**arguments)
 
     return layout
-
-
-def _arguments(schema: type[Common]) -> Iterator[str]:
-    return (key for key in keys_of(schema) if key not in _NO_ARGUMENTS)
 
 
 def _kind(name: str, schema: type[Common], layout: Callable[..., Rover] | None = None, **others: Any) -> Form:
