@@ -46,8 +46,7 @@ class Grid(NamedTuple):
     spacing: tuple[float, float]  # [m]
     origin: tuple[float, float]  # [m]
     yaw: float = 0.0  # [rad]
-    unit_stated: bool = False
-    """True if the form says the unit of its heights."""
+    unit_stated: bool = False  # the form says the unit of its heights
 
 
 class Options(NamedTuple):

@@ -41,8 +41,7 @@ class Seen(NamedTuple):
 
 
 _OF_NODE = "WANTED LIMITED COMMANDS ODOMETRY REASONS SLIP DIAGNOSTICS"
-ALL = Seen(frozenset(getattr(topics, name) for name in _OF_NODE.split()))
-"""The topics of a node."""
+ALL = Seen(frozenset(getattr(topics, name) for name in _OF_NODE.split()))  # the topics of a node
 
 
 def _seen(record: Record) -> Seen:

@@ -18,8 +18,7 @@ class Axis(NamedTuple):
     name: str
     places: NDArray[np.float64]
     unit: str
-    direction: str = ""
-    """``x``, ``y``, or nothing where neither name nor attributes say it."""
+    direction: str = ""  # `x`, `y`, or nothing where neither name nor attributes say it
 
 
 def check_shape(array: NDArray[Any]) -> None:

@@ -32,10 +32,8 @@ class TerrainFileWarning(UserWarning):
 class Placement(NamedTuple):
     """Pixels in the frame of the map."""
 
-    transform: Any
-    """Affine, from column and row to coordinates."""
-    metre: float
-    """Unit of the coordinates [m]."""
+    transform: Any  # affine, from column and row to coordinates
+    metre: float  # unit of the coordinates [m]
     shape: tuple[int, int]
 
     @property

@@ -22,15 +22,12 @@ class Reference(NamedTuple):
     """Meaning of coordinates and heights, as far as a text says."""
 
     degrees: bool = False
-    plane: float = 1.0
-    """Of the horizontal coordinates [m]."""
+    plane: float = 1.0  # of the horizontal coordinates [m]
     height: float | None = None
     """Of the heights, if there is a vertical system; negative where it counts depths [m]."""
-    radius: float = 6378137.0
-    """Equatorial radius of the ellipsoid [m]."""
+    radius: float = 6378137.0  # equatorial radius of the ellipsoid [m]
     flattening: float = 0.0
-    geographic: str | None = None
-    """The geographic system below a projected one."""
+    geographic: str | None = None  # the geographic system below a projected one
 
 
 UNKNOWN = Reference()

@@ -15,12 +15,9 @@ FIRST = 512  # bytes by which a form is known
 class Source(NamedTuple):
     """A file, or the only map in it."""
 
-    path: Path
-    """The file itself, by which messages call it."""
-    name: PurePosixPath | Path
-    """Name of the map: that of the file, or the one in it."""
-    packing: str = ""
-    """``zip``, ``gz`` or nothing."""
+    path: Path  # the file itself, by which messages call it
+    name: PurePosixPath | Path  # name of the map: that of the file, or the one in it
+    packing: str = ""  # `zip`, `gz` or nothing
 
     @property
     def suffix(self) -> str:

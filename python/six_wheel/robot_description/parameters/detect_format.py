@@ -31,8 +31,7 @@ NODE_OPTIONS = frozenset(
     {"autostart", "imu_timeout", "joint_state_timeout", "record", "reset_on_time_jump", "tf_frame_prefix"}
 )
 """Parameters that only `six-wheel node` and `filter` declare; they say nothing of the rover."""
-NO_LIMIT = 1e6
-"""Value of a limit from which on it is none, in parameters of ROS."""
+NO_LIMIT = 1e6  # value of a limit from which on it is none, in parameters of ROS
 
 _LIMIT = re.compile(
     r"(linear|angular|traction|steering)\.(\w\.)?"

@@ -21,15 +21,12 @@ class JointList(NamedTuple):
 
     key: str
     wheels: tuple[str, ...]
-    elsewhere: tuple[str, ...] = ()
-    """Wheels that must have no joint in this list."""
-    lack: str = "does not steer"
-    """Reason against the others."""
+    elsewhere: tuple[str, ...] = ()  # wheels that must have no joint in this list
+    lack: str = "does not steer"  # reason against the others
     order: Literal["names", "silent", "expected", "fixed"] = "names"
     """Joints are in the order of `wheels`: "names" never; "silent" where no joint's name tells its wheel;
     "expected" the same, and a name that tells another wheel is a warning; "fixed" always."""
-    steers: bool = False
-    """True for joints that steer, False for joints that drive."""
+    steers: bool = False  # and not drive
 
 
 def wheels_of_joints(

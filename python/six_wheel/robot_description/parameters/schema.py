@@ -42,24 +42,18 @@ class Form:
     layout: Callable[[Values], Rover]
     """Builds the wheels from values that are right by themselves. Raises ValueError for the rest."""
     joint_lists: Callable[[Values, Rover], list[JointList]]
-    telling: frozenset[str] = frozenset()
-    """Keys that only this form has."""
+    telling: frozenset[str] = frozenset()  # keys that only this form has
     stand_in: Values = field(default_factory=dict)
     """Values for what does not decide which wheels there are, to check joints although a number is wrong."""
     check: Callable[[Section, Values, Report, Report], None] = lambda *_: None
     """Reports errors and warnings about keys together, and what the file says beyond our model."""
     complete: Callable[[Section, Values], Values] = lambda section, values: values
     """Adds what follows from the values."""
-    controller: str | None = None
-    """The type a controller manager knows it by."""
-    ros1: bool = False
-    """True where its files have no ``ros__parameters``."""
-    more: tuple[str, ...] = ()
-    """Further types that have the same keys."""
-    kind_of: Callable[[Values], str] | None = None
-    """The kind by its values, of a form that describes several."""
-    ignored: frozenset[str] = frozenset()
-    """Keys beside those of every node that are no matter of kinematics."""
+    controller: str | None = None  # the type a controller manager knows it by
+    ros1: bool = False  # its files have no `ros__parameters`
+    more: tuple[str, ...] = ()  # further types that have the same keys
+    kind_of: Callable[[Values], str] | None = None  # the kind by its values, of a form that describes several
+    ignored: frozenset[str] = frozenset()  # keys beside those of every node that are no matter of kinematics
 
     @property
     def keys(self) -> dict[str, FieldInfo]:
@@ -122,8 +116,7 @@ GROUPS: dict[str, type[BaseModel]] = {
 """Keys of every rover that hold mappings with keys of their own."""
 PLAIN = ("odom_frame_id", "base_frame_id", "columns", "topics", "stamp_unit", "plausibility")
 """Keys of every rover that hold no keys of their own."""
-NESTED: dict[str, type[BaseModel]] = {**GROUPS}
-"""Keys that hold mappings with keys of their own."""
+NESTED: dict[str, type[BaseModel]] = {**GROUPS}  # keys that hold mappings with keys of their own
 
 
 def _explain(detail: ErrorDetails, section: Section, form: Form, report: Report) -> None:

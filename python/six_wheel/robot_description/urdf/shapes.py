@@ -11,8 +11,7 @@ from six_wheel.robot_description.urdf.elements import Notes, number, rotation_of
 from six_wheel.robot_description.urdf.tree import Joint, Tree
 
 ALONG = 0.9  # cosine of the angle up to which a cylinder lies along the axle
-Radius = tuple[float, str]
-"""A radius [m], and where it comes from."""
+Radius = tuple[float, str]  # a radius [m], and where it comes from
 
 
 def radius_of(tree: Tree, joint: Joint, notes: Notes) -> Radius | None:

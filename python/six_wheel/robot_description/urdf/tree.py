@@ -77,14 +77,10 @@ class Tree:
     links: dict[str, Link]
     joints: dict[str, Joint]
     robot: ElementTree.Element
-    above: dict[str, Joint] = field(default_factory=dict)
-    """Link to the joint that holds it."""
-    below: dict[str, list[Joint]] = field(default_factory=dict)
-    """Link to the joints it holds."""
-    order: list[Joint] = field(default_factory=list)
-    """The joints, each after that above it."""
-    up: float = 1.0
-    """Sign of the root's z axis in the world: -1 for down."""
+    above: dict[str, Joint] = field(default_factory=dict)  # link to the joint that holds it
+    below: dict[str, list[Joint]] = field(default_factory=dict)  # link to the joints it holds
+    order: list[Joint] = field(default_factory=list)  # the joints, each after that above it
+    up: float = 1.0  # sign of the root's z axis in the world: -1 for down
     rollers: dict[str, list[Joint]] = field(default_factory=dict, repr=False)
     """Joint to the rollers around it, as far as somebody has asked."""
     _poses: dict[str, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
