@@ -8,35 +8,32 @@ POINTS = (".las", ".laz", ".pcd", ".e57", ".copc", ".ptx")
 SHAPES = (".shp", ".geojson", ".kml", ".dxf")
 TABLES = (".mat", ".pkl", ".parquet", ".feather", ".xlsx")
 PACKED = (".7z", ".rar", ".tar", ".tgz", ".bz2", ".xz", ".zst", ".zip", ".gz")
-PICTURE = "is an occupancy map or a picture, no heights"
+# Ends of names and first bytes, and what such a file is.
+KINDS: tuple[tuple[tuple[str, ...], tuple[bytes, ...], str], ...] = (
+    ((), (b"version https://git-lfs",), "is a pointer of Git LFS, not the file: git lfs pull"),
+    (
+        MESHES,
+        (b"ply\n", b"ply\r", b"solid "),
+        "is a mesh: make a raster of it first (CloudCompare, Rasterize; or sample z)",
+    ),
+    (POINTS, (b"LASF", b"# .PCD"), "holds points: make a raster of them first (pdal, writers.gdal)"),
+    (
+        (),
+        (b"# Octomap",),
+        "is an OctoMap of occupied cells: make a map of heights of it first (grid_map_octomap)",
+    ),
+    ((".pgm",), (b"P2", b"P5"), "is an occupancy map or a picture, no heights"),
+    (SHAPES, (), "holds shapes: make a raster of them first (gdal_rasterize or gdal_grid)"),
+    (TABLES, (), "is no map: read its array and give sw.Terrain(heights, spacing=0.1)"),
+    (PACKED, (), "is packed: unpack it first"),
+)
 
 
 def refuse_others(source: Source, begin: bytes) -> None:
     """Fails for a file that is no map of heights, with its kind and the remedy."""
-    kind = _kind(source, begin)
-    if kind is not None:
-        raise TerrainFileError(f"{source.path} {kind}")
-
-
-def _kind(source: Source, begin: bytes) -> str | None:
-    suffix = source.suffix
-    if begin.startswith(b"version https://git-lfs"):
-        return "is a pointer of Git LFS, not the file: git lfs pull"
     head = begin.lstrip()[:64].lower()
     if head.startswith((b"<!doctype html", b"<html")) or (head.startswith(b"<?xml") and b"<error>" in head):
-        return "is a web page, not the file: download it again"
-    if suffix in MESHES or begin.startswith((b"ply\n", b"ply\r", b"solid ")):
-        return "is a mesh: make a raster of it first (CloudCompare, Rasterize; or sample z)"
-    if suffix in POINTS or begin.startswith((b"LASF", b"# .PCD")):
-        return "holds points: make a raster of them first (pdal, writers.gdal)"
-    if begin.startswith(b"# Octomap"):
-        return "is an OctoMap of occupied cells: make a map of heights of it first (grid_map_octomap)"
-    if suffix == ".pgm" or begin[:2] in (b"P2", b"P5"):
-        return PICTURE
-    if suffix in SHAPES:
-        return "holds shapes: make a raster of them first (gdal_rasterize or gdal_grid)"
-    if suffix in TABLES:
-        return "is no map: read its array and give sw.Terrain(heights, spacing=0.1)"
-    if suffix in PACKED:
-        return "is packed: unpack it first"
-    return None
+        raise TerrainFileError(f"{source.path} is a web page, not the file: download it again")
+    for ends, begins, kind in KINDS:
+        if source.suffix in ends or begin.startswith(begins):
+            raise TerrainFileError(f"{source.path} {kind}")
