@@ -76,16 +76,10 @@ def judge(tile: Tile) -> dict[str, NDArray[Any]]:
             ground, poses, tile.limits, map_error=tile.map_error, belly=tile.belly, threads=1
         )
         layers["safe"][some] = np.mean(found.ok, axis=-1)
-        layers["tilt"][some] = _extreme(np.fmax, found.tilt)
-        layers["clearance"][some] = _extreme(np.fmin, found.clearance) - tile.limits.clearance
+        layers["tilt"][some] = np.fmax.reduce(found.tilt, axis=-1)  # NaN left out
+        layers["clearance"][some] = np.fmin.reduce(found.clearance, axis=-1) - tile.limits.clearance
         layers["reason"][some] = _frequent(found.reason_codes)
     return layers
-
-
-def _extreme(of: np.ufunc, values: Any) -> NDArray[np.float64]:
-    """Over the last axis, NaN left out."""
-    extreme: NDArray[np.float64] = of.reduce(values, axis=-1)
-    return extreme
 
 
 def _frequent(codes: Any) -> NDArray[np.intp]:

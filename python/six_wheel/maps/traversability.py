@@ -8,13 +8,14 @@ import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import product, starmap
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel._core import RockerBogie, __version__
+from six_wheel._core import RockerBogie, Terrain, __version__
 from six_wheel.kinematics.errors import as_path, one_line
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.objects.notebooks import Shown
@@ -24,7 +25,7 @@ from six_wheel.maps.files import Options
 from six_wheel.maps.readers.rasters import GridImage, Raster, rasterio
 from six_wheel.maps.reading import open_raster
 from six_wheel.maps.tiles import REASONS, Tile, judge, reach
-from six_wheel.parallel import Failure, Journal, spread
+from six_wheel.parallel import Journal, spread
 
 SIDE = 256  # cells of a tile along its side
 PICTURE = 1000  # largest side of what a picture is made from
@@ -150,9 +151,13 @@ def traverse(
     options = Options(None, topic, layer, band, nodata, unit, north_up, spacing, origin)
     task = _Task(rover, headings, limits or FeasibilityLimits.curiosity(), map_error, belly, options)
     with open_raster(path, options) as raster:
-        windows = list(_windows(raster.shape))
+        rows, columns = (
+            [slice(first, min(first + SIDE, size)) for first in range(0, size, SIDE)] for size in raster.shape
+        )
+        windows = list(starmap(Window, product(rows, columns)))
         # One tile here, before anything is written: what is wrong with the arguments is said at once.
-        rover.feasible(_probe(), [(0.0, 0.0, 0.0)], task.limits, map_error=map_error, belly=belly)
+        flat = Terrain(np.zeros((2, 2)), 1.0)
+        rover.feasible(flat, [(0.0, 0.0, 0.0)], task.limits, map_error=map_error, belly=belly)
         journal = Journal(output.with_name(output.name + ".tiles"), task.described(path))
         resumed = len(journal.done)
         for outcome in spread(
@@ -165,7 +170,9 @@ def traverse(
             progress=None if progress is None else lambda done: progress(done, len(windows)),
         ):
             if outcome.failure is not None:
-                raise _failed(windows[outcome.index], outcome.failure)
+                part, across = windows[outcome.index]
+                where = f"rows {part.start} to {part.stop - 1}, columns {across.start} to {across.stop - 1}"
+                raise ValueError(f"the tile of {where} failed: {outcome.failure}")
         picture, safe = _write(output, raster, windows, journal)
         left, bottom, right, top = raster.placement.bounds
         cells = raster.shape[0] * raster.shape[1]
@@ -199,24 +206,6 @@ class _Task(NamedTuple):
             "options": [str(option) for option in self.options],
             "side": SIDE,
         }
-
-
-def _probe() -> Any:
-    from six_wheel._core import Terrain
-
-    return Terrain(np.zeros((2, 2)), 1.0)
-
-
-def _failed(window: Window, failure: Failure) -> RuntimeError | ValueError:
-    rows, columns = window
-    where = f"rows {rows.start} to {rows.stop - 1}, columns {columns.start} to {columns.stop - 1}"
-    return ValueError(f"the tile of {where} failed: {failure}")
-
-
-def _windows(shape: tuple[int, int]) -> Iterator[Window]:
-    for row in range(0, shape[0], SIDE):
-        for column in range(0, shape[1], SIDE):
-            yield Window(slice(row, min(row + SIDE, shape[0])), slice(column, min(column + SIDE, shape[1])))
 
 
 def _tile(raster: Raster | GridImage, task: _Task, window: Window) -> Tile:

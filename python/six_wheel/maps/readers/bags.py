@@ -51,7 +51,9 @@ def read(path: Path, options: Options) -> Grid:
             maps = [connection for connection in bag.connections if connection.msgtype == GRID_MAP]
             topics = sorted({connection.topic for connection in maps})
             if not topics:
-                raise TerrainFileError(f"{path} must hold a {GRID_MAP}, it has {_kinds(bag.connections)}")
+                kinds = sorted({connection.msgtype for connection in bag.connections})[:5]
+                have = ", ".join(kinds) or "no messages"
+                raise TerrainFileError(f"{path} must hold a {GRID_MAP}, it has {have}")
             if topic is None and len(topics) > 1:
                 raise TerrainFileError(
                     f"{path} ", *doubts.several("topics of maps", topics, "topic", topics[0])
@@ -119,8 +121,3 @@ def _grid(path: Path, message: Any, topic: str, layer: str | None) -> Grid:
     centre = info.pose.position
     origin = (centre.x + cos * back[0] - sin * back[1], centre.y + sin * back[0] + cos * back[1])
     return Grid(heights, (info.resolution, info.resolution), origin, yaw)
-
-
-def _kinds(connections: Any) -> str:
-    """Types of the messages of a bag, the first few."""
-    return ", ".join(sorted({connection.msgtype for connection in connections})[:5]) or "no messages"
