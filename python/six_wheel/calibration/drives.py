@@ -67,10 +67,7 @@ class Drive:
 def encoders(rover: Rover, logs: Sequence[WheelLog]) -> list[bool]:
     """One flag per wheel: True if it has an encoder, which is if any of its readings is a number.
 
-    Raises
-    ------
-    ValueError
-        If a log has other wheels than the rover.
+    Raises `ValueError` if a log has other wheels than the rover.
     """
     for number, log in enumerate(logs):
         if log.wheel_angles.shape[1] != len(rover.wheels):

@@ -36,13 +36,7 @@ _FACTOR, _MIXER = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBF58476D1CE4E5B9)
 
 
 def without_copies(logs: Sequence[WheelLog]) -> tuple[list[WheelLog], list[int], list[str]]:
-    """Logs without the readings that a longer one has, their places in `logs`, and a line for each change.
-
-    Parameters
-    ----------
-    logs : sequence of WheelLog
-        In radians.
-    """
+    """Logs [rad] without the readings that a longer one has, their places, and a line for each change."""
     kept: dict[int, WheelLog] = {}
     said = []
     for number in sorted(range(len(logs)), key=lambda number: -len(logs[number])):

@@ -38,10 +38,7 @@ def reading_joints(rover: Rover) -> tuple[list[str], list[float]]:
 def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
     """The rover whose wheel i has the values of the i-th dictionary, under the names `Wheel` gives them.
 
-    Raises
-    ------
-    ValueError
-        If a wheel may not have such a value.
+    Raises `ValueError` if a wheel may not have such a value.
     """
 
     def made() -> Rover:

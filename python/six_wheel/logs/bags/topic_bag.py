@@ -25,12 +25,8 @@ class TopicBag(JointBag):
 
     Raises `TableError` if there is no such topic or field.
 
-    Parameters
-    ----------
-    topics : mapping
-        Topic, with a field and an index where there are several numbers, to a header as tables have it.
-    readings : {"angles", "speeds", "ticks"}, optional
-        Kind of the numbers where the headers do not state it.
+    `topics` leads from a topic, with a field and an index where there are several numbers, to a header as
+    tables have it; `readings` is the kind of the numbers where the headers do not state it.
     """
 
     def __init__(

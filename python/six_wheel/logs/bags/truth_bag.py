@@ -15,11 +15,9 @@ MAX_FRAMES = 16  # between a rover and the top of its chain, which might be a ci
 class TruthBag(Bag):
     """Poses in a bag: odometry, stamped poses or transforms of one topic.
 
-    Parameters
-    ----------
-    topic : str, optional
-        The topic to read. Transforms of many frames (``/tf``) have to be asked for, and may name the frame of
-        the rover behind a colon: ``/tf:base_link``. Its pose is that in the frame at the top of its chain.
+    `topic` is the one to read. Transforms of many frames (``/tf``) have to be asked for, and may name the
+    frame of the rover behind a colon: ``/tf:base_link``. Its pose is that in the frame at the top of its
+    chain.
     """
 
     def __init__(self, path: Path, topic: str | None = None) -> None:

@@ -9,13 +9,7 @@ from six_wheel.kinematics.poses import Floats
 
 
 class Links:
-    """Frames and those they are fixed to.
-
-    Parameters
-    ----------
-    own : sequence of str
-        Possible names of the rover's own frame.
-    """
+    """Frames and those they are fixed to; `own` are possible names of the rover's own frame."""
 
     def __init__(self, own: Sequence[str]) -> None:
         self._own = own

@@ -26,10 +26,7 @@ def upward(roll: float, pitch: float) -> Floats:
 def about_z(values: Mapping[str, Floats], up: Floats) -> Floats:
     """Rates about the rover's z (n,), of what was read about it or about the axes of a sensor.
 
-    Raises
-    ------
-    ValueError
-        If the sensor is tilted and an axis is missing.
+    Raises `ValueError` if the sensor is tilted and an axis is missing.
     """
     if ABOUT_Z in values:
         return values[ABOUT_Z]

@@ -126,10 +126,7 @@ def means(header: str, quantity: Quantity) -> bool:
 def find_columns(headers: Sequence[str], quantities: Sequence[Quantity] = QUANTITIES) -> dict[str, Column]:
     """The column of each quantity, by name; those that are not required may be absent.
 
-    Raises
-    ------
-    TableError
-        If a quantity has no column or more than one, or a unit is not known.
+    Raises `TableError` if a quantity has no column or more than one, or a unit is not known.
     """
     found: dict[str, Column] = {}
     for quantity in quantities:

@@ -48,12 +48,8 @@ def time_columns(
 
     Raises `TableError` if there is no such column or more than one, or a unit is not known.
 
-    Parameters
-    ----------
-    field_units : mapping, optional
-        Units that are stated apart from the headers, by column.
-    stamp_unit : str, optional
-        Unit of the times, whatever the table says.
+    `field_units` are units that are stated apart from the headers, by column; `stamp_unit` is that of the
+    times, whatever the table says.
     """
     if stamp_unit is not None:
         scale_of(stamp_unit)

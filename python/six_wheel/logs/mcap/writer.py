@@ -35,12 +35,8 @@ def record_stamps(
 
     Raises `RowError` if a time is one that a message cannot have.
 
-    Parameters
-    ----------
-    times : array, shape (n,)
-        In a unit of so many `nanoseconds`, counted from the second `origin`.
-    rows : array, shape (n,)
-        Their rows in the file they are from.
+    `times` (n,) are in a unit of so many `nanoseconds`, counted from the second `origin`; `rows` (n,) their
+    rows in the file they are from.
     """
     stamps = times * nanoseconds + origin * 1_000_000_000
     outside = ~((stamps >= 0) & (stamps < LATEST))

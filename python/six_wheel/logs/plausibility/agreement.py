@@ -100,12 +100,7 @@ def check_turning(
 ) -> None:
     """Refuses totals (n, wheels) that turn the rover as a gyroscope does, but for the ratio of two units.
 
-    Parameters
-    ----------
-    yaw_rate : array, shape (n,)
-        [rad/s].
-    proposals : mapping of str to Proposal
-        Of each unit that readings may have instead of radians.
+    `yaw_rate` (n,) is in rad/s; `proposals` has one for each unit that readings may have instead of radians.
     """
     there = np.isfinite(yaw_rate) & np.isfinite(wheels).all(axis=1)
     if np.count_nonzero(there) < WINDOWS // 4:

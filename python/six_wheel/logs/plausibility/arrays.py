@@ -28,10 +28,7 @@ def array_checks(
 ) -> ReadingChecks:
     """Checks of readings that go to `Odometry` with these options.
 
-    Parameters
-    ----------
-    headers : mapping, optional
-        Header of ``"stamp"``, of every wheel and of every steered wheel as ``"NAME steering"``, of a table.
+    `headers` of a table are by ``"stamp"``, wheels, and steered wheels as ``"NAME steering"``.
     """
     known, wheels = headers or {}, options.get("wheel_encoders")
     joints = options.get("steering_encoders")

@@ -65,16 +65,10 @@ FASTEST_STEP = 30.0  # [m/s] of a rim from one row to the next
 
 @dataclass
 class ReadingChecks:
-    """Checks of the rows of a log as they come.
-
-    Parameters
-    ----------
-    warn : callable
-        Called with a line for what can be read but not be trusted.
-    """
+    """Checks of the rows of a log as they come."""
 
     readings: Readings
-    warn: Callable[[str], None]
+    warn: Callable[[str], None]  # called with a line for what can be read but not be trusted
     rows: int = 0  # that were checked so far
     _last: tuple[float, Floats, Floats, Floats | None] | None = None
     turns: WheelTurns = field(default_factory=WheelTurns)

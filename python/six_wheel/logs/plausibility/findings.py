@@ -64,13 +64,7 @@ class Findings:
         self._flaw, self._last = (rule, kind), row
 
     def many_left_out(self, kept: int) -> str:
-        """The line about a log of which many rows are no rows of numbers; empty if few are.
-
-        Parameters
-        ----------
-        kept : int
-            Rows that were used.
-        """
+        """The line about a log with many rows that are no numbers, beside those `kept`; empty for few."""
         rows = kept + self.rows
         if self._first is None or self._no_numbers <= MANY * rows:
             return ""

@@ -40,20 +40,10 @@ def rasterio() -> Any:
 class Raster(Closing):
     """An open image of heights: one band, in metres, pixel (0, 0) first.
 
-    Parameters
-    ----------
-    source : Source
-        The image.
-    options : Options
-        Facts known beside the file, checked.
+    `options` are facts known beside the file, checked.
 
-    Raises
-    ------
-    ImportError
-        If rasterio is not installed.
-    TerrainFileError
-        If it is no image, its coordinates are degrees, its axes are sheared, or its heights are of
-        no known unit, or none at all.
+    Raises `ImportError` if rasterio is not installed. Raises `TerrainFileError` if it is no image, its
+    coordinates are degrees, its axes are sheared, or its heights are of no known unit, or none at all.
     """
 
     def __init__(self, source: Source, options: Options) -> None:
