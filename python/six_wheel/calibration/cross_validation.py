@@ -3,17 +3,18 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from six_wheel._core import Rover
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.estimates import RunErrors
 from six_wheel.calibration.fitting import quantile, refit, solve
 from six_wheel.calibration.model import Model, with_mounts
-from six_wheel.calibration.problem import Loss, Problem
+from six_wheel.calibration.problem import Problem
 from six_wheel.kinematics.poses import Floats
+from six_wheel.log_odometry.copies import cut
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.parallel import Journal, collect, one_thread
 from six_wheel.robot_description.dimensions import Catalogue
@@ -143,40 +144,29 @@ def pieces(log: WheelLog) -> list[WheelLog]:
     """A single run cut into parts, as if they were runs."""
     if log.truth is None:
         return [log]
-    edges = np.linspace(0, len(log) - 1, PIECES + 1).astype(int)
-    parts = []
-    for number, (first, last) in enumerate(zip(edges, edges[1:] + 1, strict=False)):
-        steering = None if log.steering is None else log.steering[first:last]
-        parts.append(
-            WheelLog(
-                log.stamps[first:last],
-                steering,
-                log.wheel_angles[first:last],
-                log.truth,
-                f"part {number + 1}",
-            )
-        )
-    return parts
+    edges = np.linspace(0, len(log) - 1, PIECES + 1).astype(int).tolist()
+    return [
+        replace(cut(log, slice(first, last + 1)), name=f"part {number}", session="")
+        for number, (first, last) in enumerate(pairwise(edges), start=1)
+    ]
 
 
 def cross_validate(
-    rover: Rover,
+    problem: Problem,
     catalogue: Catalogue,
     sets: Sequence[tuple[str, ...]],
-    drives: Sequence[Drive],
-    loss: Loss,
-    lengths: Floats,
-    margin: float,
     progress: Callable[[int, int, str], object] | None,
     cluster: Any = None,
     workers: int | None = 1,
     journal: Journal | None = None,
 ) -> CrossValidation | None:
-    """Every set fitted without one fold after another and tried there; None if there is but one.
+    """Every set, in place of the model of a problem, fitted without one fold after another and tried there;
+    None if there is but one.
 
     The sets are independent of one another: on a cluster or in processes each is an item, and what a journal
     holds already is not done again.
     """
+    rover, drives = problem.model.nominal, problem.drives
     sessions = list(dict.fromkeys(drive.session for drive in drives))
     by_run = len(sessions) == 1 or len(sessions) == len(drives)
     folds = [drive.name for drive in drives] if by_run else sessions
@@ -197,7 +187,6 @@ def cross_validate(
             progress(done, total, f"sets of parameters, each without one {kind} after another")
 
     report_progress(0)
-    problem = Problem(empty, drives, loss, lengths, margin)
     items = [
         Trial(replace(problem, model=with_mounts(rover, catalogue.find(names), drives)), tuple(keys))
         for names in sets
@@ -211,7 +200,8 @@ def cross_validate(
     for names, item, each in zip(sets, items, outcomes.values, strict=True):
         errors = _per_fold(each, keys)
         count = item.problem.model.own
-        tried.append(Candidate(tuple(names), count, errors, _score(errors, nominal), each))
+        score = math.sqrt(float(np.mean(errors**2)) / max(float(np.mean(nominal**2)), 1e-24))
+        tried.append(Candidate(tuple(names), count, errors, score, each))
     chosen = choose(tried)
     tried.sort(key=lambda one: (one.score, one.count))
     unit = "m" if any(drive.truth.has_positions for drive in drives) else "rad"
@@ -261,7 +251,3 @@ def _per_fold(errors: Floats, keys: Sequence[int]) -> Floats:
     """The mean of every fold."""
     labels = np.array(keys)
     return np.array([errors[labels == fold].mean() for fold in range(int(labels.max()) + 1)])
-
-
-def _score(errors: Floats, nominal: Floats) -> float:
-    return math.sqrt(float(np.mean(errors * errors)) / max(float(np.mean(nominal * nominal)), 1e-24))

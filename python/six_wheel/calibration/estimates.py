@@ -129,19 +129,14 @@ class RunErrors:
     @classmethod
     def of(cls, model: Model, drive: Drive, values: Floats) -> Self:
         """Errors of a drive with these values; `before` with the nominal ones."""
-        before, after = (_error(drive.truth, *path(model, drive, one)) for one in (model.start, values))
+        paths = (timed_path(model, drive, one)[1:] for one in (model.start, values))
+        before, after = (_error(drive.truth, *path) for path in paths)
         ways = drive.distance, before, after, drive.dropped, drive.number
         return cls(drive.name, drive.session, *ways, "m" if drive.truth.has_positions else "rad")
 
 
-def path(model: Model, drive: Drive, values: Floats) -> tuple[Floats, Floats]:
-    """Dead reckoning of what the truth follows, and the truth at the same times; rows where it is known."""
-    _, followed, truth = timed_path(model, drive, values)
-    return followed, truth
-
-
 def timed_path(model: Model, drive: Drive, values: Floats) -> tuple[Floats, Floats, Floats]:
-    """The same, behind their stamps."""
+    """Stamps, dead reckoning of what the truth follows, and the truth; rows where it is known."""
     followed = model.poses(drive, values)
     wanted = drive.stamps + model.value(values, "time_offset", 0.0)
     known = drive.truth.covers(wanted)

@@ -304,19 +304,16 @@ def _remarks(done: Calibrated) -> list[str]:
     """Comment lines at the head of the calibrated file."""
     result = done.result
     runs = ", ".join(log.name for log in done.logs[:3]) + (", ..." if len(done.logs) > 3 else "")
-    lines = [f"Calibrated by six-wheel {__version__} on {_count(len(done.logs), 'run')}: {runs}"]
+    count = f"{len(done.logs)} run{'' if len(done.logs) == 1 else 's'}"
+    lines = [f"Calibrated by six-wheel {__version__} on {count}: {runs}"]
     for one in result.parameters:
         unit = f" {one.unit}" if one.unit else ""
         said = f"{one.name} {one.value:.6g}{unit}, was {one.nominal:.6g}"
         lines.append(f"{said}; {100 * result.confidence:g} %: {interval(one)}")
     if (measured := result.measured_noise) is not None:
         lines.append(f"noise from {measured.basis}")
-    lines += [f"{message}" for message in result.observability.messages]
+    lines += result.observability.messages
     return [line if line.isprintable() else repr(line) for line in lines]
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def paths_of(done: Calibrated, number: int) -> tuple[dict[str, Floats], Floats]:

@@ -11,11 +11,10 @@ from six_wheel.calibration.model import Model
 from six_wheel.calibration.problem import (
     DOUBT,
     FIRST_SCALE,
+    LOSSES,
     Problem,
     Solution,
     scales_of,
-    stiffness_of,
-    weights_of,
 )
 from six_wheel.kinematics.errors import needed
 from six_wheel.kinematics.poses import Floats
@@ -122,12 +121,6 @@ def _descend(
             latest[key] = rows, slopes
         return latest[key]
 
-    def errors_of(steps: Floats) -> Floats:
-        return both(steps)[0]
-
-    def slopes_of(steps: Floats) -> Floats:
-        return both(steps)[1]
-
     start = _steps(model, directions, values)
     if problem.around is not None:
         found = _reweighted(problem, directions, start, per_row, hold)
@@ -135,9 +128,9 @@ def _descend(
         if np.all((low < inside) & (inside < high)):
             return inside
     result = least_squares(
-        errors_of,
+        lambda steps: both(steps)[0],
         start,
-        jac=slopes_of,
+        jac=lambda steps: both(steps)[1],
         loss=problem.loss,
         x_scale="jac",
         xtol=1e-8 if fine else COARSE,
@@ -158,7 +151,7 @@ def _reweighted(
     firm = hold / DOUBT**2
     steps = start.copy()
     for _ in range(REWEIGHTED):
-        weights = weights_of(rows, problem.loss)
+        weights = LOSSES[problem.loss][0](rows)
         heavy = slopes * weights[:, None]
         stiff = heavy.T @ slopes + firm * np.eye(len(steps))
         change = np.linalg.solve(stiff, -(heavy.T @ rows) - firm * steps)
@@ -196,14 +189,11 @@ def _directions(
     with np.errstate(divide="ignore"):
         spread = 1.0 / sizes
     likely = problem.model.likely
-    seen, unseen = (_clean(likely @ rows[one].T) for one in (known, ~known))
+    # Without the dust of the decomposition what is not concerned stays exactly where it is.
+    clean = (likely @ rows[one].T for one in (known, ~known))
+    seen, unseen = (np.where(np.abs(each) < 1e-9, 0.0, each) for each in clean)
     seen[np.linalg.norm(seen, axis=1) < UNTOUCHED] = 0.0
     return seen, unseen, np.concatenate((spread[known], spread[~known]))
-
-
-def _clean(directions: Floats) -> Floats:
-    """Without the dust of the decomposition, so that what is not concerned stays exactly where it is."""
-    return np.where(np.abs(directions) < 1e-9, 0.0, directions)
 
 
 def covariance(problem: Problem, solution: Solution) -> tuple[Floats, Floats, str]:
@@ -264,7 +254,7 @@ def _per_cluster(
     """
     which, plausible = problem.which, problem.model.plausible
     size = scales[which][:, [0, 0, 1]]
-    each = stiffness_of(errors / (DOUBT * size), problem.loss)
+    each = LOSSES[problem.loss][1](errors / (DOUBT * size))
     kinds = np.bincount(which)
     sums = np.stack([np.bincount(which, one) for one in (each[:, :2].mean(axis=1), each[:, 2])], axis=1)
     stiff = np.maximum(sums / np.maximum(kinds, 1)[:, None], 0.0)[which][:, [0, 0, 1]]

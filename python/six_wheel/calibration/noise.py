@@ -212,7 +212,9 @@ def measure(
     if not groups:
         return None
     sessions = min(sessions, len(groups))
-    stacks, alike = [_stacked(group) for group in groups], np.ones(len(names))
+    parts = ("error", "wheels", "fixed")
+    stacks = [Stack(*(np.array([getattr(end, part) for end in group]) for part in parts)) for group in groups]
+    alike = np.ones(len(names))
     whole = Stack(*map(np.concatenate, zip(*stacks, strict=True)))
     usual = _bound() / float(fdtri(3, 3 * sessions, COVERED))
     logs, cost = _likeliest(whole.weighed(alike))
@@ -271,11 +273,6 @@ def _sized(logs: Floats, groups: Sequence[Weighed], wanted: float) -> tuple[Nois
     slip, side_slip = (three_digits(max(float(np.exp(one)), FINEST)) for one in wide)
     sides = any(np.any(group[2]) for group in groups)
     return Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0), wide
-
-
-def _stacked(found: Sequence[End]) -> Stack:
-    names = ("error", "wheels", "fixed")
-    return Stack(*(np.array([getattr(end, name) for end in found]) for name in names))
 
 
 def _nees(logs: Floats, ends: Weighed) -> tuple[Floats, Floats]:

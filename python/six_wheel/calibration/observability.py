@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -157,11 +158,9 @@ def _correlated(model: Model, solution: Solution, identified: NDArray[np.bool_])
     covariance = root @ root.T
     sizes = np.sqrt(np.diag(covariance))
     messages = []
-    for first in np.flatnonzero(identified & (sizes > 0.0)):
-        for second in np.flatnonzero(identified & (sizes > 0.0)):
-            if first < second:
-                correlation = covariance[first, second] / (sizes[first] * sizes[second])
-                if abs(correlation) > TOGETHER and max(sizes[first], sizes[second]) > WELL_KNOWN:
-                    pair = f"{model.names[first]} and {model.names[second]}"
-                    messages.append(f"{pair} are hard to tell apart here (correlation {correlation:+.2f})")
+    for first, second in combinations(np.flatnonzero(identified & (sizes > 0.0)).tolist(), 2):
+        correlation = covariance[first, second] / (sizes[first] * sizes[second])
+        if abs(correlation) > TOGETHER and max(sizes[first], sizes[second]) > WELL_KNOWN:
+            pair = f"{model.names[first]} and {model.names[second]}"
+            messages.append(f"{pair} are hard to tell apart here (correlation {correlation:+.2f})")
     return messages

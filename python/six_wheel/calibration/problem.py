@@ -1,7 +1,7 @@
 """Drives and a model whose parameters shall explain them; scales and weights of their errors."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -13,7 +13,15 @@ from six_wheel.calibration.model import Model
 from six_wheel.kinematics.poses import Floats
 
 Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
-LOSSES = ("linear", "soft_l1", "huber", "cauchy")
+Curve = Callable[[Floats], Floats]
+# By the ratio of a residual to where a loss begins to doubt: the weight of it, which is the derivative of the
+# loss by the square of the ratio, and the curvature of the loss, half its second derivative by the ratio.
+LOSSES: dict[Loss, tuple[Curve, Curve]] = {
+    "linear": (np.ones_like, np.ones_like),
+    "soft_l1": (lambda r: 1.0 / np.sqrt(1.0 + r * r), lambda r: (1.0 + r * r) ** -1.5),
+    "huber": (lambda r: 1.0 / np.maximum(np.abs(r), 1.0), lambda r: (np.abs(r) <= 1.0).astype(np.float64)),
+    "cauchy": (lambda r: 1.0 / (1.0 + r * r), lambda r: (1.0 - r * r) / np.square(1.0 + r * r)),
+}
 
 
 # A robust loss begins to doubt a window at this many times the usual error.
@@ -75,19 +83,17 @@ class Problem:
 
     def bounds(self) -> tuple[Floats, Floats]:
         """Bounds of the values: lengths stay positive, and clocks within what the windows leave."""
-        low, high = np.full(len(self.model.names), -np.inf), np.full(len(self.model.names), np.inf)
-        for number, parameter in enumerate(self.model.parameters):
-            if parameter.positive:
-                low[number], high[number] = 0.2 * parameter.value, 5.0 * parameter.value
-            elif parameter.unit == "rad":
-                low[number], high[number] = parameter.value - 1.5, parameter.value + 1.5
-            elif parameter.name == "time_offset":
-                low[number], high[number] = -self.latest, self.latest
+        ends = []
+        for one in self.model.parameters:
+            if one.positive:
+                ends.append((0.2 * one.value, 5.0 * one.value))
+            elif one.unit == "rad":
+                ends.append((one.value - 1.5, one.value + 1.5))
+            elif one.name == "time_offset":
+                ends.append((-self.latest, self.latest))
             else:
-                low[number], high[number] = (
-                    parameter.value - 10.0 * parameter.plausible,
-                    parameter.value + 10.0 * parameter.plausible,
-                )
+                ends.append((one.value - 10.0 * one.plausible, one.value + 10.0 * one.plausible))
+        low, high = np.array(ends).reshape(-1, 2).T
         return low, high
 
 
@@ -117,7 +123,7 @@ def scales_of(problem: "Problem", errors: Floats, before: Floats) -> tuple[Float
     Of a few windows the fit may hit every one, and what is left of them says nothing: they are taken to err
     as those of the length that has most, growing with the root of the length.
     """
-    which, loss = problem.which, problem.loss
+    which, (weights_of, _) = problem.which, LOSSES[problem.loss]
     scales = before.copy()
     weights = np.ones_like(errors)
     kinds = np.append(problem.lengths, problem.lengths[-1])
@@ -132,37 +138,15 @@ def scales_of(problem: "Problem", errors: Floats, before: Floats) -> tuple[Float
             if counts[number] < FEW and number != usual:
                 least = max(SMALLEST_SCALE, scales[usual, part] * math.sqrt(kinds[number] / kinds[usual]))
             scale = max(rms_of(values, np.ones_like(values)), least)
-            for _ in range(50 if loss != "linear" else 0):
-                again = max(rms_of(values, weights_of(values / (DOUBT * scale), loss)), least)
+            for _ in range(50 if problem.loss != "linear" else 0):
+                again = max(rms_of(values, weights_of(values / (DOUBT * scale))), least)
                 if abs(again - scale) <= 1e-6 * scale:
                     break
                 scale = again
             scales[number, part] = scale
-            weights[rows, columns] = weights_of(values / (DOUBT * scale), loss)
+            weights[rows, columns] = weights_of(values / (DOUBT * scale))
     return scales, weights
 
 
 def rms_of(values: Floats, weights: Floats) -> float:
     return math.sqrt(float((weights * values * values).sum() / weights.sum()))
-
-
-def weights_of(ratio: Floats, loss: Loss) -> Floats:
-    """Weight of a residual: the derivative of the loss by the square of the ratio."""
-    if loss == "soft_l1":
-        return 1.0 / np.sqrt(1.0 + ratio * ratio)
-    if loss == "huber":
-        return 1.0 / np.maximum(np.abs(ratio), 1.0)
-    if loss == "cauchy":
-        return 1.0 / (1.0 + ratio * ratio)
-    return np.ones_like(ratio)
-
-
-def stiffness_of(ratio: Floats, loss: Loss) -> Floats:
-    """Curvature of the loss: half its second derivative by the ratio."""
-    if loss == "soft_l1":
-        return (1.0 + ratio * ratio) ** -1.5
-    if loss == "huber":
-        return (np.abs(ratio) <= 1.0).astype(np.float64)
-    if loss == "cauchy":
-        return (1.0 - ratio * ratio) / np.square(1.0 + ratio * ratio)
-    return np.ones_like(ratio)

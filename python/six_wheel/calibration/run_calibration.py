@@ -176,16 +176,17 @@ def calibrate(
     checked: CrossValidation | None = None
     if cross_validation or asked is None:
         folds = _parts(rover, whole[0], numbers[0], slipped, margin, prepared) if len(whole) == 1 else drives
-        checked = cross_validate(
-            rover, catalogue, sets, folds, loss, lengths, margin, progress, cluster, workers, journal
-        )
+        problem = Problem(Model(rover, []), folds, loss, lengths, margin)
+        checked = cross_validate(problem, catalogue, sets, progress, cluster, workers, journal)
     chosen = asked if asked is not None else checked.chosen if checked is not None else sets[0]
     if progress is not None:
         progress(0, 1, "fitting all drives")
     model = with_mounts(rover, catalogue.find(chosen), drives)
-    result = _fit(model, drives, records, loss, lengths, margin, confidence, tuple(chosen), checked)
+    problem = Problem(model, drives, loss, lengths, margin)
+    result = _fit(problem, records, confidence, tuple(chosen), checked)
     result = replace(_with_gyroscope(result, whole), slips=tuple(map(str, slipped)))
-    result = _saying(result, *copies, *([OF_TRACKS] if _of_tracks(truth) else []))
+    of_tracks = any(isinstance(one, Track) for one in (truth if isinstance(truth, list | tuple) else [truth]))
+    result = _saying(result, *copies, *([OF_TRACKS] if of_tracks else []))
     if progress is not None:
         progress(1, 1, "fitting all drives")
     return result
@@ -244,12 +245,6 @@ def _parts(
     return found
 
 
-def _of_tracks(truth: object) -> bool:
-    """True if a truth is another odometry."""
-    given = truth if isinstance(truth, (list, tuple)) else [truth]
-    return any(isinstance(one, Track) for one in given)
-
-
 def _saying(result: Calibration, *messages: str) -> Calibration:
     """With more to be said of what the drives do not tell."""
     seen = result.observability
@@ -280,26 +275,17 @@ def _slides(slipped: Sequence[slip.Slip], number: int) -> list[Stretch]:
 
 
 def _fit(
-    model: Model,
-    drives: Sequence[Drive],
+    problem: Problem,
     records: Sequence[WheelLog],
-    loss: Loss,
-    lengths: Floats,
-    margin: float,
     confidence: float,
     asked: tuple[str, ...],
     checked: CrossValidation | None,
 ) -> Calibration:
-    problem = Problem(model, drives, loss, lengths, margin)
+    model, drives = problem.model, problem.drives
     solution = fitting.solve(problem)
     covariance, degrees, basis = fitting.covariance(problem, solution)
-    mistaken_for = units.mistaken(problem, solution)
-    hints = [
-        *mistaken_for,
-        *units.at_bounds(problem, solution),
-        *units.unsettled(solution, bool(mistaken_for)),
-        *told(drives),
-    ]
+    mistaken_for, at_bounds = units.mistaken(problem, solution), units.at_bounds(problem, solution)
+    hints = [*mistaken_for, *at_bounds, *units.unsettled(solution, bool(mistaken_for)), *told(drives)]
     observability = describe(model, solution, drives, hints)
     estimates, wider = [], np.ones(model.own)
     for number, parameter in enumerate(model.parameters[: model.own]):
@@ -324,14 +310,14 @@ def _fit(
         confidence,
         basis,
         observability,
-        Windows(problem.which, lengths, before, solution.errors, solution.weights, solution.scales),
+        Windows(problem.which, problem.lengths, before, solution.errors, solution.weights, solution.scales),
         tuple(RunErrors.of(model, drive, solution.values) for drive in drives),
         checked,
         model.pose(solution.values, "sensor"),
         model.value(solution.values, "time_offset", 0.0),
         asked,
-        loss,
-        solution.converged and not units.at_bounds(problem, solution),
+        problem.loss,
+        solution.converged and not at_bounds,
         _noise(problem, solution, records, confidence),
     )
 

@@ -86,13 +86,8 @@ def _outside(drive: Drive, stretches: Sequence[Stretch]) -> Drive:
     kept = np.ones(len(drive.rows), dtype=bool)
     for start, end in merged(stretches, MARGIN):
         kept &= (last <= start) | (first >= end)
-    rows, middles, lengths, blocks = (
-        drive.rows[kept],
-        drive.middles[kept],
-        drive.lengths[kept],
-        drive.blocks[kept],
-    )
-    return replace(drive, rows=rows, middles=middles, lengths=lengths, blocks=blocks)
+    arrays = {name: getattr(drive, name)[kept] for name in ("rows", "middles", "lengths", "blocks")}
+    return replace(drive, **arrays)
 
 
 def clean(

@@ -64,7 +64,7 @@ def mistaken(problem: Problem, solution: Solution) -> list[str]:
     model = Model(rover, [])
     given = _misfit(model, drives)
     readings = [*_readings(rover), *_truths()]
-    tried = [(_misfit(model, drives, one.change) / one.grows, one) for one in readings]
+    tried = [(_misfit(model, list(map(one.change, drives))) / one.grows, one) for one in readings]
     best = min(misfit for misfit, _ in tried)
     likely = [one for misfit, one in tried if misfit <= ALIKE * best]
     left = _left(problem, solution)
@@ -75,7 +75,8 @@ def mistaken(problem: Problem, solution: Solution) -> list[str]:
             remedy = "check ticks_per_turn and gear_ratio of the encoders, the radius, and the units of both"
             best, likely = misfit, [Reading(f"the wheels turn {by:.2g} times as far", remedy, _turned(by))]
     if best * FAR_BETTER <= given:
-        return [_better(given, best, likely)]
+        what = "; or if ".join(f"{one.what}: {one.remedy}" for one in likely)
+        return [f"the drives fit far better ({given:.3g} m to {best:.3g} m a window) if {what}"]
     if not left > STRANGE:
         return []
     share = f"half of the windows are off by {100.0 * left:.0f} % of their length or more"
@@ -91,22 +92,11 @@ def _left(problem: Problem, solution: Solution) -> float:
     return float(np.median(shares)) if len(shares) else 0.0
 
 
-def _better(given: float, found: float, likely: Sequence[Reading]) -> str:
-    what = "; or if ".join(f"{one.what}: {one.remedy}" for one in likely)
-    return f"the drives fit far better ({given:.3g} m to {found:.3g} m a window) if {what}"
-
-
-def _unchanged(drive: Drive) -> Drive:
-    return drive
-
-
-def _misfit(model: Model, drives: Sequence[Drive], change: Callable[[Drive], Drive] = _unchanged) -> float:
+def _misfit(model: Model, drives: Sequence[Drive]) -> float:
     """Size of the errors of usual windows under the nominal dimensions [m]."""
-    squares: list[Floats] = []
-    for drive in drives:
-        errors, _ = model.errors(change(drive), model.start)
-        squares.append(np.sum(errors * errors * (1.0, 1.0, size(model.nominal) ** 2), axis=1))
-    return math.sqrt(float(np.median(np.concatenate(squares))))
+    errors = np.concatenate([model.errors(drive, model.start)[0] for drive in drives])
+    squares = np.sum(errors * errors * (1.0, 1.0, size(model.nominal) ** 2), axis=1)
+    return math.sqrt(float(np.median(squares)))
 
 
 def _factor(model: Model, drives: Sequence[Drive]) -> tuple[float, float]:
@@ -123,7 +113,8 @@ def _factor(model: Model, drives: Sequence[Drive]) -> tuple[float, float]:
     if not ways.all():
         return 1.0, math.inf
     about = float(ways[0] / ways[1])
-    best, by = min((_misfit(model, drives, _turned(about * by)), about * by) for by in NEAR.tolist())
+    tried = [about * by for by in NEAR.tolist()]
+    best, by = min((_misfit(model, list(map(_turned(by), drives))), by) for by in tried)
     return by, best
 
 
