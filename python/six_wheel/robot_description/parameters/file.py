@@ -32,6 +32,7 @@ from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questi
 from six_wheel.kinematics.errors import as_path, printable
 from six_wheel.kinematics.keywords import checked, did_you_mean
 from six_wheel.robot_description.diagnostics import Finding
+from six_wheel.robot_description.diagnostics import ParameterFileError as ParameterFileError  # of the room
 from six_wheel.robot_description.gyroscope_errors import ARGUMENTS
 from six_wheel.robot_description.missing_files import near_file
 from six_wheel.robot_description.parameters import ros_yaml
