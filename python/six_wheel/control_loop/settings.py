@@ -16,8 +16,8 @@ from six_wheel.robot_description.gyroscope_errors import changed, with_readings_
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import section_of
 from six_wheel.robot_description.parameters.file import Parameters, parse_parameters
+from six_wheel.robot_description.parameters.key_types import GROUPS
 from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETERS
-from six_wheel.robot_description.parameters.schema import GROUPS
 from six_wheel.robot_description.parameters.writing import dump
 
 LEAST_JUMP = 3.0  # [m/s], 6 cm at 50 Hz: a rover that is pushed, or rolls, may be faster than it drives

@@ -15,8 +15,8 @@ from six_wheel.kinematics.rover_edit import limits_given
 from six_wheel.robot_description.parameters.detect_format import NO_LIMIT
 from six_wheel.robot_description.parameters.file import Parameters
 from six_wheel.robot_description.parameters.foreign.limits import is_number
+from six_wheel.robot_description.parameters.key_types import GROUPS
 from six_wheel.robot_description.parameters.ros_node_parameters import closest
-from six_wheel.robot_description.parameters.schema import GROUPS
 
 LARGEST = NO_LIMIT
 NONE = 0.0  # value of a parameter that is not given

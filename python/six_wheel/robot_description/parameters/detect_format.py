@@ -6,6 +6,7 @@ from typing import Any
 
 from six_wheel.robot_description.parameters.foreign.read_tables import FOREIGN, WELL_KNOWN
 from six_wheel.robot_description.parameters.foreign.steering import DRIVES, STEERS
+from six_wheel.robot_description.parameters.key_types import GROUPS as MAPPINGS
 from six_wheel.robot_description.parameters.key_types import Common, Values, keys_of
 from six_wheel.robot_description.parameters.ros_node_parameters import (
     GROUPS,
@@ -15,7 +16,6 @@ from six_wheel.robot_description.parameters.ros_node_parameters import (
     section,
 )
 from six_wheel.robot_description.parameters.ros_yaml import Path, Report, Tree, one_line, spell
-from six_wheel.robot_description.parameters.schema import GROUPS as MAPPINGS
 from six_wheel.robot_description.parameters.schema import NESTED, Form, describe, shown
 from six_wheel.robot_description.parameters.vehicle_types import DIMENSIONS, KINDS, OWN_KEYS, PRESET
 from six_wheel.robot_description.parameters.vehicle_types import TELLING as OWN_TELLING

@@ -20,10 +20,10 @@ from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import form_of, section_of
 from six_wheel.robot_description.parameters.file import Parameters, parse_parameters
-from six_wheel.robot_description.parameters.key_types import Values
+from six_wheel.robot_description.parameters.key_types import GROUPS, Values
 from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETERS, Section
 from six_wheel.robot_description.parameters.ros_yaml import Path, Tree, value_at
-from six_wheel.robot_description.parameters.schema import GROUPS, Form, check_values
+from six_wheel.robot_description.parameters.schema import Form, check_values
 from six_wheel.robot_description.parameters.writing import dump
 from six_wheel.robot_description.wheels_of_rover import joints_as_given
 

@@ -41,14 +41,14 @@ from six_wheel.robot_description.parameters.foreign.limits import own_timeout
 from six_wheel.robot_description.parameters.foreign.read_tables import FOREIGN
 from six_wheel.robot_description.parameters.foreign.yagsl import gather_modules
 from six_wheel.robot_description.parameters.joints import JointList, check_wheels, wheels_of_joints
-from six_wheel.robot_description.parameters.key_types import NONE_WORDS, LimitKeys, Values
+from six_wheel.robot_description.parameters.key_types import GROUPS, NONE_WORDS, Values
 from six_wheel.robot_description.parameters.ros_node_parameters import (
     FileFindings,
     Section,
     closest,
     declares,
 )
-from six_wheel.robot_description.parameters.schema import GROUPS, PLAIN, Form, check_values
+from six_wheel.robot_description.parameters.schema import PLAIN, Form, check_values
 from six_wheel.robot_description.parameters.units import question_settings, question_units
 
 # A parameter file has a few kilobytes. What is larger is a log or a mesh, and would take PyYAML long.
@@ -244,7 +244,7 @@ def _check_controller(section: Section, parameters: Parameters, log: FileFinding
 def _refuse(section: Section, error: ValueError, log: FileFindings) -> NoReturn:
     """Limits or ways of a controller that fit neither each other nor the rover."""
     key = getattr(error, "argument", "")
-    at = ("limits" if key in LimitKeys.model_fields else "control", key)
+    at = ("limits" if key in GROUPS["limits"].model_fields else "control", key)
     section.report(log.error, at, f"{at[0]}.{error}", "change one of the two")
     raise log.failure() from None
 

@@ -1,21 +1,85 @@
-"""Types of the keys of a parameter file, and the keys that every rover may have.
+"""Types of the keys of a parameter file, by their words in tables, and the keys that every rover may have.
 
-The rules for numbers are the core's own, asked one argument at a time; types and names are here.
+A line of a table has a word of `TYPES`, with an exclamation mark if the key is required, and a description.
+``one|other`` is a choice, ``names(3..64)`` a list of so many names, ``Noise.slip`` a number by the core's own
+rule for that argument, ``name:Odometry.method`` another type by such a rule. The rules for numbers are the
+core's, asked one argument at a time; types and names are here.
 """
 
-from collections.abc import Callable
+import re
+import tomllib
+from collections.abc import Mapping
+from operator import attrgetter
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Tag
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Strict,
+    Tag,
+    create_model,
+)
 from pydantic.fields import FieldInfo
 
-from six_wheel._core import Encoder, Gyroscope, Noise, Odometry, Rover, Wheel, without_questions
+from six_wheel._core import (
+    Encoder,
+    FourAxle,
+    Gyroscope,
+    Noise,
+    Odometry,
+    RockerBogie,
+    Rover,
+    Wheel,
+    without_questions,
+)
 
 Values: TypeAlias = dict[str, Any]
 
+_SIDE: Values = {"rocker_pivot": (0.1, 0.2, 0.1), "wheel_radius": 0.1}
+ROCKER: Values = _SIDE | {
+    "rocker_to_front": (0.3, 0.0, -0.1),
+    "rocker_to_bogie": (-0.1, 0.0, -0.1),
+    "bogie_to_middle": (0.1, 0.0, 0.0),
+    "bogie_to_rear": (-0.1, 0.0, 0.0),
+}
+IN_FRONT: Values = _SIDE | {
+    "rocker_to_rear": (-0.3, 0.0, -0.1),
+    "rocker_to_bogie": (0.1, 0.0, -0.1),
+    "bogie_to_front": (0.1, 0.0, 0.0),
+    "bogie_to_middle": (-0.1, 0.0, 0.0),
+}
+AXLES: Values = {"pivots": (1.0, 1.0), "axle_length": 1.0, "wheel_radius": 1.0}
+CAR: Values = {"wheelbase": 1.0, "track_width": 1.0, "wheel_radius": 1.0}
+_SIX = ("front_to_middle", "middle_to_rear", "track_width", "wheel_radius")
+_WHEEL: Values = {"name": "wheel", "x": 0.0, "y": 0.0, "radius": 1.0}
+# Other arguments of a call of the core that is asked about one; of several the first that have it count.
+STAND_INS: Mapping[str, tuple[Values, ...]] = {
+    "Wheel": (_WHEEL, _WHEEL | {"steered": True, "steering_limit": 1.0}),
+    "Odometry": ({"rover": Rover.differential(1.0, 1.0)},),
+    "Rover.six_wheel": (dict.fromkeys(_SIX, 1.0),),
+    "Rover.ackermann": (CAR,),
+    "Rover.mecanum": (CAR,),
+    # Far apart, so that one of them alone is never on the wrong side of the other.
+    "Rover.tracked": ({"track_width": 1.0, "wheel_radius": 1.0, "icr_left": 1e50, "icr_right": -1e50},),
+    "RockerBogie": (ROCKER, IN_FRONT),
+    "FourAxle": (AXLES,),
+}
+_CORE = SimpleNamespace(
+    Encoder=Encoder, FourAxle=FourAxle, Gyroscope=Gyroscope, Noise=Noise, Odometry=Odometry,
+    RockerBogie=RockerBogie, Rover=Rover, Wheel=Wheel,
+)  # fmt: skip
 
-def asks_core(call: Callable[..., object], argument: str, **others: Any) -> AfterValidator:
-    """The core's own rule for one argument of `call`; its message is told with the file's key in front."""
+
+def rule_of_core(text: str) -> AfterValidator:
+    """The core's own rule for an argument of a call; its message is told with the file's key in front."""
+    name, _, argument = text.rpartition(".")
+    call, given = attrgetter(name)(_CORE), STAND_INS.get(name, ({},))
+    others = next((each for each in given if argument in each), given[0])
 
     def check(value: Any) -> Any:
         without_questions(lambda: call(**others | {argument: as_argument(value)}))  # they become findings
@@ -42,9 +106,20 @@ def check_name(text: str) -> str:
     return text
 
 
+def is_set(value: Any) -> bool:
+    """True if a value is neither 0, empty, false nor NaN, the defaults in a dump of the parameters."""
+    return bool(value) and value == value
+
+
 def _check_factor(value: float) -> float:
     """A factor whose sign says which way a joint counts."""
     Wheel("wheel", 0.0, 0.0, radius=abs(value))
+    return value
+
+
+def _check_if_set(value: float) -> float:
+    if is_set(value):
+        Wheel("wheel", 0.0, 0.0, radius=value)
     return value
 
 
@@ -53,214 +128,116 @@ def by_type(kind: type, tag: str, otherwise: str) -> Discriminator:
     return Discriminator(lambda value: tag if isinstance(value, kind) else otherwise)
 
 
-_WHEEL: Values = {"name": "wheel", "x": 0.0, "y": 0.0, "radius": 1.0}
 Number: TypeAlias = Annotated[float, Strict()]
-Flag: TypeAlias = Annotated[bool, Strict()]
-Finite: TypeAlias = Annotated[Number, asks_core(Wheel, "x", **_WHEEL)]
-Length: TypeAlias = Annotated[Number, asks_core(Wheel, "radius", **_WHEEL)]
+Finite: TypeAlias = Annotated[Number, rule_of_core("Wheel.x")]
+Length: TypeAlias = Annotated[Number, rule_of_core("Wheel.radius")]
 Positive: TypeAlias = Annotated[float, Strict(), Field(gt=0, allow_inf_nan=False)]
-Limit: TypeAlias = Annotated[float, Strict(), Field(gt=0)]
-
-OrNever: TypeAlias = Annotated[
+Name: TypeAlias = Annotated[str, Strict(), AfterValidator(check_name)]
+_Never: TypeAlias = Annotated[
     Annotated[Literal["never"], Tag("<word>")] | Annotated[Positive, Tag("<number>")],
     by_type(str, "<word>", "<number>"),
 ]
-
-Name: TypeAlias = Annotated[str, Strict(), AfterValidator(check_name)]
-Pair: TypeAlias = Annotated[list[Number], Field(min_length=2, max_length=2)]
-
+_Pair: TypeAlias = Annotated[list[Number], Field(min_length=2, max_length=2)]
 NumberOrPair: TypeAlias = Annotated[
-    Annotated[Number, Tag("<number>")] | Annotated[Pair, Tag("<pair>")],
+    Annotated[Number, Tag("<number>")] | Annotated[_Pair, Tag("<pair>")],
     by_type(list, "<pair>", "<number>"),
 ]
-
-SteeringLimit: TypeAlias = Annotated[NumberOrPair, asks_core(Wheel, "steering_limit", **_WHEEL, steered=True)]
-Factor: TypeAlias = Annotated[Number, AfterValidator(_check_factor)]
-
-Joints: TypeAlias = Annotated[
+_WheelJoints: TypeAlias = Annotated[
     Annotated[list[Name], Tag("<list>")] | Annotated[dict[str, Name], Tag("<map>")],
     by_type(dict, "<map>", "<list>"),
 ]
+TYPES: dict[str, Any] = {
+    "anything": Any,
+    "number": Number,
+    "finite": Finite,
+    "length": Length,
+    "length_or_unset": Annotated[Number, AfterValidator(_check_if_set)],
+    "positive": Positive,
+    "limit": Annotated[float, Strict(), Field(gt=0)],
+    "count": Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)],
+    "factor": Annotated[Number, AfterValidator(_check_factor)],
+    "integer": Annotated[int, Strict()],
+    "flag": Annotated[bool, Strict()],
+    "or_never": _Never,
+    "number_or_pair": NumberOrPair,
+    "two": Annotated[list[Finite], Field(min_length=2, max_length=2)],
+    "vector": Annotated[list[Finite], Field(min_length=3, max_length=3)],
+    "finites": list[Finite],
+    "matrix": list[list[Finite]],
+    "steering": Annotated[NumberOrPair, rule_of_core("Wheel.steering_limit")],
+    "name": Name,
+    "names": list[Name],
+    "joints": Annotated[
+        list[Name],
+        Field(min_length=1, max_length=32),
+        BeforeValidator(lambda value: [value] if isinstance(value, str) else value),
+    ],
+    "wheel_joints": _WheelJoints,
+    "wheel_of_joint": dict[str, Name],
+    "factors": dict[str, Positive],
+    "angles": dict[str, Finite],
+    "places": dict[str, tuple[float, float]],
+    "columns": dict[str, str] | list[str],
+    "topics": dict[str, str] | list[Name],
+}
 
 
-def optional(description: str, key: str | None = None) -> Any:
-    """A key that may be left out."""
-    return Field(default=None, description=description, alias=key)
+def type_of(word: str, others: Mapping[str, Any] | None = None) -> Any:
+    """The type that a word stands for: of `TYPES`, or of `others`."""
+    types = {**TYPES, **(others or {}), "": Number}
+    base, _, rule = word.rpartition(":")
+    if rule[:1].isupper():
+        if base == "by_wheel":
+            return dict[str, Annotated[Number, rule_of_core(rule)]]
+        return Annotated[types[base], rule_of_core(rule)]
+    if "|" in word:
+        return Literal[tuple(word.split("|"))]
+    if (count := re.fullmatch(r"names\((\d+)\.\.(\d+)\)", word)) is None:
+        return types[word]
+    least, most = map(int, count.groups())
+
+    def check(joints: list[str]) -> list[str]:
+        if not least <= len(joints) <= most:
+            many = f"{least}" if least == most else f"{least} to {most}"
+            raise refusal("joints", f"must name {many} joints, got {len(joints)}")
+        return joints
+
+    return Annotated[list[Name], AfterValidator(check)]
 
 
-def required(description: str, key: str | None = None) -> Any:
-    """A key that must be given."""
-    return Field(description=description, alias=key)
-
-
-def _any_of(schema: type[BaseModel]) -> str:
-    return f"a mapping with any of {', '.join(schema.model_fields)}"
-
-
-class LimitKeys(BaseModel):
-    """The keys of `limits`: the keywords of `six_wheel.Limits`; `.inf` is none."""
-
-    speed: Limit = optional("a speed in m/s")
-    yaw_rate: Limit = optional("a rate of turn in rad/s")
-    acceleration: Limit = optional("an acceleration in m/s^2")
-    deceleration: Limit = optional("an acceleration in m/s^2")
-    jerk: Limit = optional("a jerk in m/s^3")
-    angular_acceleration: Limit = optional("an angular acceleration in rad/s^2")
-    angular_deceleration: Limit = optional("an angular acceleration in rad/s^2")
-    angular_jerk: Limit = optional("an angular jerk in rad/s^3")
-    lateral_acceleration: Limit = optional("an acceleration in m/s^2")
-    wheel_speed: Limit = optional("a rate of turn in rad/s")
-    wheel_acceleration: Limit = optional("an angular acceleration in rad/s^2")
-    steering_limit: Limit = optional("an angle in radians")
-    steering_rate: Limit = optional("a rate of turn in rad/s")
-    steering_acceleration: Limit = optional("an angular acceleration in rad/s^2")
-    halt_deceleration: Limit = optional("an acceleration in m/s^2")
-
-
-class ControlKeys(BaseModel):
-    """The keys of `control`: the keywords of `six_wheel.Controller`."""
-
-    timeout: OrNever = optional("a time in s, or never")
-    period: Positive = optional("a time in s")
-    max_step: Positive = optional("a time in s")
-    mode: Literal["free", "crab", "front_only", "spin"] = optional("free, crab, front_only or spin")
-    align: Literal["cosine", "hold", "none"] = optional("cosine, hold or none")
-    align_tolerance: Positive = optional("an angle in radians")
-    discretise: Flag = optional("true or false")
-    following_error: OrNever = optional("an angle in radians, or never")
-    following_time: Positive = optional("a time in s")
-
-
-NONE_WORDS = {"align": "none", "timeout": "never", "following_error": "never"}
-"""Words of `control` for a keyword that is None."""
-
-
-_AXLE: Values = {"rover": Rover.differential(1.0, 1.0)}
-
-
-class NoiseKeys(BaseModel):
-    """Keys of `Parameters.noise`: the arguments of `Noise`."""
-
-    speed: Annotated[Number, asks_core(Noise, "speed")] = optional("a standard deviation in m/s")
-    steering: Annotated[Number, asks_core(Noise, "steering")] = optional("a standard deviation in rad")
-    slip: Annotated[Number, asks_core(Noise, "slip")] = optional("a standard deviation in m per root m")
-    side_slip: Annotated[Number, asks_core(Noise, "side_slip")] = optional(
-        "a standard deviation in m per root m"
-    )
-
-
-class _Counting(BaseModel):
-    ticks_per_turn: Annotated[Number, asks_core(Encoder, "ticks_per_turn")] = optional(
-        "the ticks of one turn of the shaft it sits on"
-    )
-    gear_ratio: Annotated[Number, asks_core(Encoder, "gear_ratio")] = optional(
-        "the turns of that shaft for one of the joint"
-    )
-    wraps_at: Annotated[Number, asks_core(Encoder, "wraps_at")] = optional(
-        "where a reading begins again at 0, such as 65536"
-    )
-    reversed: list[Name] = optional("a list of the wheels whose readings run the other way")
-
-
-class EncoderKeys(_Counting):
-    """Keys of `Parameters.wheel_encoders`, by which the readings of the wheels become angles."""
-
-    increments: Flag = optional("whether a row counts from the row before")
-    scale: Positive = optional("a factor for the angles of all wheels")
-    steering_gain: dict[str, Positive] = optional("a mapping of steered wheel to a factor for its angle")
-
-
-class SteeringEncoderKeys(_Counting):
-    """Keys of `Parameters.steering_encoders`, by which their readings become steering angles."""
-
-    offsets: dict[str, Finite] = optional("a mapping of steered wheel to its angle where the reading is 0")
-
-
-class OdometryKeys(BaseModel):
-    """Keys of `Parameters.odometry`: options of `Odometry`."""
-
-    method: Annotated[Name, asks_core(Odometry, "method", **_AXLE)] = optional(
-        "least_squares, middle_wheels or robust"
-    )
-    wheel_noise: dict[str, Annotated[Number, asks_core(Noise, "slip")]] = optional(
-        "a mapping of wheel to how many times the noise it slips by"
-    )
-    inflate: Flag = optional("whether wheels that disagree widen the covariance")
-    slip_threshold: Annotated[Number, asks_core(Odometry, "slip_threshold", **_AXLE)] = optional(
-        "a residual in m/s"
-    )
-    max_gap: Annotated[Number, asks_core(Odometry, "max_gap", **_AXLE)] = optional("a time in s")
-    max_speed: Annotated[Number, asks_core(Odometry, "max_speed", **_AXLE)] = optional("a speed in m/s")
-    max_steering_rate: Annotated[Number, asks_core(Odometry, "max_steering_rate", **_AXLE)] = optional(
-        "a rate of turn in rad/s"
-    )
-
-
-class GyroscopeKeys(BaseModel):
-    """Keys of `Parameters.gyroscope`: arguments of `Gyroscope`, and conversions of its readings."""
-
-    noise: Annotated[Number, asks_core(Gyroscope, "noise")] = optional("a standard deviation in rad/s")
-    period: Positive = optional("the time between the readings whose noise that is in s")
-    bias: Annotated[Number, asks_core(Gyroscope, "bias")] = optional("a reading at rest in rad/s")
-    bias_noise: Annotated[Number, asks_core(Gyroscope, "bias_noise")] = optional(
-        "a standard deviation in rad/s"
-    )
-    bias_walk: Annotated[Number, asks_core(Gyroscope, "bias_walk")] = optional(
-        "a standard deviation in rad/s per root s"
-    )
-    scale: Positive = optional("a factor for the readings")
-    scale_noise: Annotated[Number, asks_core(Gyroscope, "scale_noise")] = optional(
-        "a standard deviation of that factor, as a share"
-    )
-    roll: Finite = optional("an angle in rad by which the sensor is turned about the rover's x")
-    pitch: Finite = optional("an angle in rad by which the sensor is turned about the rover's y")
-    time_offset: Finite = optional("a stamp of the gyroscope less that of the log in s")
-    topic: Name = optional("the name of a topic of a bag, such as imu/data")
-
-
-class TruthKeys(BaseModel):
-    """Keys of `Parameters.truth`: the pose of the tracked point in the body, and the offset of the clock."""
-
-    x: Finite = optional("a length in m, forward")
-    y: Finite = optional("a length in m, to the left")
-    yaw: Finite = optional("an angle in rad")
-    time_offset: Finite = optional("a stamp of the truth less that of the log in s")
-
-
-class CalibrationKeys(BaseModel):
-    """Keys of `Parameters.calibration`: the covariance of the dimensions."""
-
-    parameters: list[Name] = optional("a list of names, such as wheel_radius")
-    covariance: list[list[Finite]] = optional("a list of rows of numbers, one for each of the parameters")
-
-
-class Common(BaseModel):
-    """The keys of every rover, in whatever form it is given."""
-
-    kind: Any = optional("a kind of vehicle")
-    wheel_of_joint: dict[str, Name] = optional("a mapping of joint to wheel")
-    reversed_joints: list[Name] = optional("a list of the joints that count the other way")
-    odom_frame_id: Name = optional("the name of a frame, such as odom")
-    base_frame_id: Name = optional("the name of a frame, such as base_link")
-    limits: LimitKeys = optional(_any_of(LimitKeys))
-    control: ControlKeys = optional(_any_of(ControlKeys))
-    noise: NoiseKeys = optional(_any_of(NoiseKeys))
-    wheel_encoders: EncoderKeys = optional(_any_of(EncoderKeys))
-    steering_encoders: SteeringEncoderKeys = optional(_any_of(SteeringEncoderKeys))
-    columns: dict[str, str] | list[str] = optional(
-        'a mapping of header to what it is read as, such as {encL: "left [ticks]"}, or a list of names'
-    )
-    topics: dict[str, str] | list[Name] = optional(
-        'a mapping of topic to what it is read as, such as {/enc/left: "left [ticks]"}, or a list of topics'
-    )
-    stamp_unit: Literal["s", "ms", "us", "ns", "min", "h", "d"] = optional("the unit of the times of logs")
-    plausibility: Flag = optional("whether readings that no rover has are refused")
-    odometry: OdometryKeys = optional(_any_of(OdometryKeys))
-    gyroscope: GyroscopeKeys = optional(_any_of(GyroscopeKeys))
-    truth: TruthKeys = optional(_any_of(TruthKeys))
-    calibration: CalibrationKeys = optional(_any_of(CalibrationKeys))
+def schema(
+    name: str,
+    keys: Mapping[str, str],
+    base: type[BaseModel] = BaseModel,
+    others: Mapping[str, Any] | None = None,
+) -> type[BaseModel]:
+    """The schema of a table of keys, beside those of `base`; `others` are further types by their words."""
+    fields: dict[str, Any] = {}
+    for key, text in keys.items():
+        word, _, description = text.partition(" ")
+        field = key.replace(".", "_")
+        default: Any = ... if word.endswith("!") else None
+        alias = None if field == key else key
+        kind = type_of(word.rstrip("!"), others)
+        fields[field] = kind, Field(default, description=description, alias=alias)
+    return create_model(name, __base__=base, **fields)
 
 
 def keys_of(schema: type[BaseModel]) -> dict[str, FieldInfo]:
     """The keys of a schema as a file writes them."""
     return {field.alias or name: field for name, field in schema.model_fields.items()}
+
+
+OWN = tomllib.loads(Path(__file__).with_name("own_keys.toml").read_text(encoding="utf-8"))
+GROUPS = {name: schema(name, keys) for name, keys in OWN["groups"].items()}
+"""Keys of every rover that hold mappings with keys of their own."""
+Common = schema(
+    "Common",
+    {
+        key: f"{key} a mapping with any of {', '.join(GROUPS[key].model_fields)}" if text == "group" else text
+        for key, text in OWN["common"].items()
+    },
+    others=GROUPS,
+)
+NONE_WORDS = {"align": "none", "timeout": "never", "following_error": "never"}
+"""Words of `control` for a keyword that is None."""

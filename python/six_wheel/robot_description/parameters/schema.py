@@ -14,20 +14,7 @@ from pydantic_core import ErrorDetails
 
 from six_wheel._core import Rover
 from six_wheel.robot_description.parameters.joints import JointList
-from six_wheel.robot_description.parameters.key_types import (
-    CalibrationKeys,
-    Common,
-    ControlKeys,
-    EncoderKeys,
-    GyroscopeKeys,
-    LimitKeys,
-    NoiseKeys,
-    OdometryKeys,
-    SteeringEncoderKeys,
-    TruthKeys,
-    Values,
-    keys_of,
-)
+from six_wheel.robot_description.parameters.key_types import GROUPS, Values, keys_of
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Path, Report, one_line, spell
 
@@ -38,7 +25,7 @@ class Form:
 
     name: str
     kind: str
-    schema: type[Common]
+    schema: type[BaseModel]
     layout: Callable[[Values], Rover]
     """Builds the wheels from values that are right by themselves. Raises ValueError for the rest."""
     joint_lists: Callable[[Values, Rover], list[JointList]]
@@ -102,18 +89,6 @@ def describe(form: Form, at: Path) -> str:
     return str((inner or form.keys[str(at[0])]).description)
 
 
-GROUPS: dict[str, type[BaseModel]] = {
-    "limits": LimitKeys,
-    "control": ControlKeys,
-    "noise": NoiseKeys,
-    "wheel_encoders": EncoderKeys,
-    "steering_encoders": SteeringEncoderKeys,
-    "odometry": OdometryKeys,
-    "gyroscope": GyroscopeKeys,
-    "truth": TruthKeys,
-    "calibration": CalibrationKeys,
-}
-"""Keys of every rover that hold mappings with keys of their own."""
 PLAIN = ("odom_frame_id", "base_frame_id", "columns", "topics", "stamp_unit", "plausibility")
 """Keys of every rover that hold no keys of their own."""
 NESTED: dict[str, type[BaseModel]] = {**GROUPS}  # keys that hold mappings with keys of their own

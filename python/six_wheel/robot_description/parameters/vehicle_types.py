@@ -1,7 +1,7 @@
 """The kinds of vehicle a parameter file can describe with this package's own keys: a table, one entry each.
 
-A kind has the keys of one constructor of `Rover`, under the same names. To add one: a schema with its
-arguments, and an entry in `KINDS`.
+A kind has the keys of one constructor of `Rover`, under the same names. To add one: a table of its keys in
+``own_keys.toml``, and an entry in `KINDS`.
 """
 
 from collections.abc import Callable
@@ -9,45 +9,27 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Tag, model_validator
 
-from six_wheel._core import Rover, Wheel
+from six_wheel._core import FourAxle, RockerBogie, Rover, Wheel
 from six_wheel.robot_description.joint_names import said_by
 from six_wheel.robot_description.parameters.joints import JointList
 from six_wheel.robot_description.parameters.key_types import (
+    AXLES,
+    CAR,
+    OWN,
+    ROCKER,
     Common,
     Finite,
-    Flag,
-    Length,
     Name,
-    Number,
-    NumberOrPair,
-    SteeringLimit,
     Values,
     as_argument,
-    asks_core,
     by_type,
     check_name,
-    keys_of,
-    optional,
     refusal,
-    required,
+    schema,
 )
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Report, one_line
 from six_wheel.robot_description.parameters.schema import NESTED, Form
-from six_wheel.robot_description.parameters.suspended_types import (
-    AXLES,
-    ROCKER,
-    STEERING_LIMIT,
-    WHEEL_RADIUS,
-    FourAxleKeys,
-    OwnKeys,
-    RockerBogieKeys,
-    SteeredKeys,
-    SteeringKeys,
-    check_bogies,
-    on_flat_ground,
-    with_axles_locked,
-)
 
 DIMENSIONS = ("d1", "d2", "d3", "d4", "wheel_radius")
 # Keys by which a rover's node is told from others: these have wheel_radius and frames too.
@@ -56,20 +38,6 @@ TELLING = frozenset(
 ) | {*DIMENSIONS[:4]}
 MAX_AXLES = 32  # of two wheels each; a rover has at most 64
 
-_SIX: Values = dict.fromkeys(DIMENSIONS, 1.0)
-_AXLES: Values = dict.fromkeys(("front_to_middle", "middle_to_rear", "track_width", "wheel_radius"), 1.0)
-_CAR: Values = {"wheelbase": 1.0, "track_width": 1.0, "wheel_radius": 1.0}
-# Far apart, so that one of them alone is never on the wrong side of the other.
-_PAIR: Values = {"track_width": 1.0, "wheel_radius": 1.0, "icr_left": 1e50, "icr_right": -1e50}
-_MECANUM = _CAR
-_ROLLER: Values = {"name": "wheel", "x": 0.0, "y": 0.0, "radius": 1.0}
-
-_DRIVEN = "the wheels that have motors: front, rear or all"
-_WHEELBASE = "the distance from rear to front axle, in metres"
-_ROLLER_ANGLE = "the angle between the axes of rollers and wheel, in radians"
-_RollerAngle: TypeAlias = Annotated[Number, asks_core(Rover.mecanum, "roller_angle", **_MECANUM)]
-_TRACK_WIDTH = "the distance from left to right wheel, in metres"
-
 
 def _check_preset(name: str) -> str:
     if name not in Rover.presets():
@@ -77,31 +45,17 @@ def _check_preset(name: str) -> str:
     return name
 
 
-class _Preset(SteeredKeys):
-    preset: Annotated[str, Strict(), AfterValidator(_check_preset)] = required("the name of a known rover")
-
-
-class _SixWheel(SteeredKeys):
-    d1: Annotated[Number, asks_core(Rover.six_wheel, "track_width", **_AXLES)] = required(
-        "half the distance between left and right corner wheels, in metres"
-    )
-    d2: Annotated[Number, asks_core(Rover.six_wheel, "middle_to_rear", **_AXLES)] = required(
-        "the distance from middle to rear axle, in metres"
-    )
-    d3: Annotated[Number, asks_core(Rover.six_wheel, "front_to_middle", **_AXLES)] = required(
-        "the distance from middle to front axle, in metres"
-    )
-    d4: Annotated[Number, asks_core(Rover.six_wheel, "middle_track_width", **_AXLES)] = required(
-        "half the distance between middle wheels, in metres"
-    )
-    wheel_radius: Length = required(WHEEL_RADIUS)
-
-
 def _six_wheel(d1: float, d2: float, d3: float, d4: float, **others: Any) -> Rover:
     """The rover whose corner and middle wheels are `d1` and `d4` to either side of the middle."""
     return Rover.six_wheel(
         front_to_middle=d3, middle_to_rear=d2, track_width=2 * d1, middle_track_width=2 * d4, **others
     )
+
+
+def _on_flat_ground(**arguments: Any) -> Rover:
+    """A rocker-bogie rover: its wheels where its suspension puts them with all joints at zero."""
+    arm = RockerBogie(**arguments)
+    return Rover(arm.planar().wheels, suspension=arm)
 
 
 def _pairs(positions: list[Any]) -> list[Any]:
@@ -134,90 +88,11 @@ def _check_differ(names: list[str]) -> list[str]:
     return names
 
 
-_Row: TypeAlias = Annotated[list[Finite], Field(min_length=2, max_length=2)]
-_Positions: TypeAlias = Annotated[
-    Annotated[list[_Row], Tag("<pairs>")] | Annotated[list[Finite], Tag("<flat>")], Discriminator(_is_flat)
-]
-_Names: TypeAlias = Annotated[list[Name], AfterValidator(_check_differ)]
-_POSITIONS = "x and y of every wheel in metres, as [[x, y], ...] or [x, y, x, y, ...]"
-_NAMES = "a list of the wheels' names in the order of positions"
-
-
-class _Swerve(SteeredKeys):
-    positions: Annotated[_Positions, _for_each(2)] = required(_POSITIONS)
-    wheel_radius: Length = required(WHEEL_RADIUS)
-    names: _Names = optional(_NAMES)
-
-
-class _Omni(OwnKeys):
-    positions: Annotated[_Positions, _for_each(1)] = required(_POSITIONS)
-    headings: list[Finite] = required("a list of the directions in which the wheels drive, in radians")
-    wheel_radius: Length = required(WHEEL_RADIUS)
-    roller_angle: _RollerAngle = optional(_ROLLER_ANGLE)
-    names: _Names = optional(_NAMES)
-
-
-class _Mecanum(OwnKeys):
-    wheelbase: Length = required(_WHEELBASE)
-    track_width: Length = required(_TRACK_WIDTH)
-    wheel_radius: Length = required(WHEEL_RADIUS)
-    roller_angle: _RollerAngle = optional(_ROLLER_ANGLE)
-
-
-class _Tracked(OwnKeys):
-    track_width: Length = required(_TRACK_WIDTH)
-    wheel_radius: Annotated[NumberOrPair, asks_core(Rover.tracked, "wheel_radius", **_PAIR)] = required(
-        "the radius of the wheels or sprockets, or [left, right], in metres"
-    )
-    icr_left: Annotated[Number, asks_core(Rover.tracked, "icr_left", **_PAIR)] = optional(
-        "how far to the left the left side has its centre of rotation, in metres"
-    )
-    icr_right: Annotated[Number, asks_core(Rover.tracked, "icr_right", **_PAIR)] = optional(
-        "how far to the left the right side has its centre of rotation, in metres; negative to the right"
-    )
-    icr_forward: Annotated[Number, asks_core(Rover.tracked, "icr_forward", **_PAIR)] = optional(
-        "how far forward the centres of rotation lie, in metres"
-    )
-
-
-class _Differential(_Tracked):
-    wheels_per_side: Annotated[int, Strict(), Field(ge=1, le=MAX_AXLES)] = optional(
-        "the number of wheels on each side"
-    )
-    wheelbase: Length = optional("the distance from the last to the first axle, in metres")
-
-
-class _Bicycle(SteeredKeys):
-    wheelbase: Length = required(_WHEELBASE)
-    wheel_radius: Length = required(WHEEL_RADIUS)
-    driven: Annotated[Name, asks_core(Rover.ackermann, "driven", **_CAR)] = optional(_DRIVEN)
-
-
-class _Car(_Bicycle):
-    track_width: Length = required(_TRACK_WIDTH)
-
-
-class _Wheel(BaseModel):
-    x: Finite = required("how far forward of the origin the wheel's pivot is, in metres")
-    y: Finite = required("how far to the left of the origin the wheel's pivot is, in metres")
-    radius: Length = required("the wheel's radius, in metres")
-    steered: Flag = optional("whether it steers")
-    heading: Finite = optional("the direction in which it rolls at steering angle 0, in radians")
-    steering_limit: SteeringLimit = optional(STEERING_LIMIT)
-    scrub: Finite = optional("how far the contact is to the left of the steering axis, in metres")
-    trail: Finite = optional("how far the contact is behind the steering axis, in metres")
-    roller_angle: Annotated[Number, asks_core(Wheel, "roller_angle", **_ROLLER)] = optional(_ROLLER_ANGLE)
-    driven: Flag = optional("whether it has a motor")
-    castor: Flag = optional("whether it swivels freely")
-
+class _WheelRules(BaseModel):
     @model_validator(mode="after")
-    def _check_together(self) -> "_Wheel":
+    def _check_together(self) -> "_WheelRules":
         _wheel({"name": "wheel"} | self.model_dump(exclude_unset=True))
         return self
-
-
-class _NamedWheel(_Wheel):
-    name: Name = required("the wheel's name")
 
 
 def _wheel(values: Values) -> Wheel:
@@ -226,21 +101,30 @@ def _wheel(values: Values) -> Wheel:
     return Wheel(**{key: as_argument(value) for key, value in values.items() if key in known})
 
 
-def _check_names(wheels: dict[str, _Wheel]) -> dict[str, _Wheel]:
+def _check_names(wheels: dict[str, BaseModel]) -> dict[str, BaseModel]:
     for name in wheels:
         check_name(name)
     return wheels
 
 
-class _Custom(SteeringKeys):
-    wheels: Annotated[
-        Annotated[list[_NamedWheel], Tag("<list>")]
-        | Annotated[dict[str, _Wheel], AfterValidator(_check_names), Tag("<map>")],
+_AnyWheel = schema("Wheel", OWN["wheel"], _WheelRules)
+_NamedWheel = NESTED["wheels"] = schema("NamedWheel", {"name": "name! the wheel's name"}, _AnyWheel)
+_Row: TypeAlias = Annotated[list[Finite], Field(min_length=2, max_length=2)]
+_Positions: TypeAlias = Annotated[
+    Annotated[list[_Row], Tag("<pairs>")] | Annotated[list[Finite], Tag("<flat>")], Discriminator(_is_flat)
+]
+TYPES: Values = {
+    "preset": Annotated[str, Strict(), AfterValidator(_check_preset)],
+    "positions": Annotated[_Positions, _for_each(1)],
+    "two_positions": Annotated[_Positions, _for_each(2)],
+    "wheel_names": Annotated[list[Name], AfterValidator(_check_differ)],
+    "axles": Annotated[int, Strict(), Field(ge=1, le=MAX_AXLES)],
+    "wheels": Annotated[
+        Annotated[list[_NamedWheel], Tag("<list>")]  # type: ignore[valid-type]
+        | Annotated[dict[str, _AnyWheel], AfterValidator(_check_names), Tag("<map>")],  # type: ignore[valid-type]
         by_type(dict, "<map>", "<list>"),
-    ] = required("a mapping of each wheel's name to its keys, or a list of mappings with a name each")
-
-
-NESTED["wheels"] = _NamedWheel
+    ],
+}
 
 
 def _custom(values: Values) -> Rover:
@@ -271,7 +155,7 @@ def _check_preset_kind(section: Section, values: Values, error: Report, warning:
 
 def _check_axles(section: Section, values: Values, error: Report, warning: Report) -> None:
     if values.get("wheels_per_side", 1) > 1 and "wheelbase" not in section.data:
-        description = _Differential.model_fields["wheelbase"].description
+        description = KINDS["differential"].keys["wheelbase"].description
         message = "wheelbase is missing, which more than one wheel per side needs"
         error(section.line_of(("wheels_per_side",)), ("wheelbase",), message, f"add wheelbase, {description}")
 
@@ -298,6 +182,23 @@ def _check_wheels(section: Section, values: Values, error: Report, warning: Repo
         section.report(warning, ("wheels",), message, remedy)
 
 
+def _check_bogies(section: Section, values: Values, error: Report, warning: Report) -> None:
+    """The bogie carries two wheels and the rocker the third: the rear ones and the front one, or the other
+    way round."""
+    data = section.data
+    in_front = bool({"rocker_to_rear", "bogie_to_front"} & data.keys())
+    wanted = ("rocker_to_rear", "bogie_to_front") if in_front else ("rocker_to_front", "bogie_to_rear")
+    unwanted = ("rocker_to_front", "bogie_to_rear") if in_front else ()
+    for key in wanted:
+        if key not in data:
+            description = KINDS["rocker_bogie"].keys[key].description
+            error(section.line, (key,), f"{key} is missing", f"add {key}, {description}")
+    for key in unwanted:
+        if key in data:
+            message = f"{key} is given beside keys for a bogie in front"
+            section.report(error, (key,), message, f"remove {key}, or rocker_to_rear and bogie_to_front")
+
+
 def _own_lists(values: Values, rover: Rover) -> list[JointList]:
     """Both lists of joints. Only where no wheel's name tells its place may their order count."""
     said = [said_by(name) for name in rover.wheel_names]
@@ -315,50 +216,53 @@ def _own_lists(values: Values, rover: Rover) -> list[JointList]:
     ]
 
 
-_NO_ARGUMENTS = frozenset(keys_of(SteeringKeys))
+def _kind(
+    name: str,
+    joints: int,
+    layout: Callable[..., Rover] | None = None,
+    *,
+    tables: tuple[str, ...] = (),
+    takes_values: bool = False,
+    **others: Any,
+) -> Form:
+    """A kind whose keys are those of `tables`, by default its own, behind the first `joints` keys of joints.
 
+    Its layout takes all values, or is a constructor whose arguments are the keys, by default that of `Rover`.
+    """
+    keys = dict(list(OWN["joints"].items())[:joints])
+    for table in tables or (name,):
+        keys |= OWN["kinds"][table]
+    form, constructor = schema(name, keys, Common, TYPES), layout or getattr(Rover, name)
 
-def _calls(constructor: Callable[..., Rover], schema: type[Common]) -> Callable[[Values], Rover]:
-    """The layout from a constructor whose arguments are the keys."""
-
-    def layout(values: Values) -> Rover:
-        known = [key for key in keys_of(schema) if key in values and key not in _NO_ARGUMENTS]
+    def call(values: Values) -> Rover:
+        known = [key for key in keys if key in values and key not in ("traction_joints", "steering_joints")]
         arguments = {key: as_argument(values[key]) for key in known}
         if "positions" in arguments:
             arguments["positions"] = _pairs(values["positions"])
         return constructor(**arguments)
 
-    return layout
-
-
-def _kind(name: str, schema: type[Common], layout: Callable[..., Rover] | None = None, **others: Any) -> Form:
-    layout = layout or _calls(getattr(Rover, name), schema)
-    return Form(f"kind {name}", name, schema, layout, _own_lists, **others)
+    title = "preset" if name == "preset" else f"kind {name}"
+    return Form(title, name, form, constructor if takes_values else call, _own_lists, **others)
 
 
 _RADIUS = {"wheel_radius": 1.0}
+_ROCKER = {key: ROCKER[key] for key in ("rocker_pivot", "rocker_to_bogie", "wheel_radius")}
 KINDS: dict[str, Form] = {
     form.kind: form
     for form in (
-        _kind("six_wheel", _SixWheel, _calls(_six_wheel, _SixWheel), stand_in=_SIX),
-        _kind("swerve", _Swerve, stand_in=_RADIUS, check=_check_counts),
-        _kind("differential", _Differential, stand_in=_CAR, check=_check_axles),
-        _kind("tracked", _Tracked, stand_in=_CAR),
-        _kind("ackermann", _Car, stand_in=_CAR),
-        _kind("tricycle", _Car, stand_in=_CAR),
-        _kind("bicycle", _Bicycle, stand_in=_CAR),
-        _kind("mecanum", _Mecanum, stand_in=_MECANUM),
-        _kind("omni", _Omni, stand_in=_RADIUS, check=_check_counts),
-        _kind(
-            "rocker_bogie",
-            RockerBogieKeys,
-            _calls(on_flat_ground, RockerBogieKeys),
-            stand_in={key: ROCKER[key] for key in ("rocker_pivot", "rocker_to_bogie", "wheel_radius")},
-            check=check_bogies,
-        ),
-        _kind("four_axle", FourAxleKeys, _calls(with_axles_locked, FourAxleKeys), stand_in=AXLES),
-        _kind("custom", _Custom, _custom, check=_check_wheels),
+        _kind("six_wheel", 3, _six_wheel, stand_in=dict.fromkeys(DIMENSIONS, 1.0)),
+        _kind("swerve", 3, stand_in=_RADIUS, check=_check_counts),
+        _kind("differential", 1, tables=("tracked", "differential"), stand_in=CAR, check=_check_axles),
+        _kind("tracked", 1, stand_in=CAR),
+        _kind("ackermann", 3, tables=("bicycle", "ackermann"), stand_in=CAR),
+        _kind("tricycle", 3, tables=("bicycle", "ackermann"), stand_in=CAR),
+        _kind("bicycle", 3, stand_in=CAR),
+        _kind("mecanum", 1, stand_in=CAR),
+        _kind("omni", 1, stand_in=_RADIUS, check=_check_counts),
+        _kind("rocker_bogie", 3, _on_flat_ground, stand_in=_ROCKER, check=_check_bogies),
+        _kind("four_axle", 3, lambda **given: FourAxle(**given).rover, stand_in=AXLES),
+        _kind("custom", 2, _custom, takes_values=True, check=_check_wheels),
     )
 }
-PRESET = Form("preset", "preset", _Preset, _preset, _own_lists, check=_check_preset_kind)
+PRESET = _kind("preset", 3, _preset, takes_values=True, check=_check_preset_kind)
 OWN_KEYS = frozenset(key for form in (*KINDS.values(), PRESET) for key in form.keys)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from six_wheel.robot_description.parameters.foreign.limits import LIMITS, SLOWING, TIMEOUTS
 from six_wheel.robot_description.parameters.foreign.read_tables import FOREIGN, WELL_KNOWN
@@ -85,7 +85,7 @@ _KINDS: tuple[tuple[Any, str, dict[str, Any]], ...] = (
 )
 
 
-def _refused(schema: type[Common], name: str) -> str:
+def _refused(schema: type[BaseModel], name: str) -> str:
     """Kinds of values that a key refuses, found by trying a sample of each."""
 
     def taken(value: Any) -> bool:

@@ -10,11 +10,6 @@ from six_wheel.robot_description.parameters.key_types import Values
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 
 
-def is_set(value: Any) -> bool:
-    """True if a value is neither 0, empty, false nor NaN, the defaults in a dump of the parameters."""
-    return bool(value) and value == value
-
-
 def stated_joints(values: Values, rover: Rover) -> list[JointList]:
     """Lists of joints that the file or its robot states as wheel to joint."""
     lists = []

@@ -4,7 +4,7 @@ Entries of a file hold for all its forms, ``[groups.NAME]`` are keys that severa
 
 - `name`, `kind`, `controller`, `ros1`, `ignored`, `stand_in`: as in `Form`; `telling` is by default every key
   that is not in `shared_keys`;
-- ``[forms.keys]``: a key's type of `TYPES`, with an exclamation mark if it is required, and its description;
+- ``[forms.keys]``: a line for each key, as `key_types` reads them;
 - `layout`: a function of `LAYOUTS`, or constructors of `Rover` of which the first counts that `when` fits,
   with an amount for each argument. An amount is a product of keys and numbers (a key that is not given is 1),
   ``|key|`` is the absolute value, ``#key`` the length, ``/`` divides by what follows, `or` separates what
@@ -21,28 +21,12 @@ Entries of a file hold for all its forms, ``[groups.NAME]`` are keys that severa
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Any, TypeAlias
 
-from pydantic import AfterValidator, BeforeValidator, Field, Strict, create_model
-
-from six_wheel._core import Rover, Wheel
+from six_wheel._core import Rover
 from six_wheel.robot_description.parameters.foreign import layouts, limits, names, steering
 from six_wheel.robot_description.parameters.joints import JointList
-from six_wheel.robot_description.parameters.key_types import (
-    Common,
-    Factor,
-    Finite,
-    Flag,
-    Length,
-    Name,
-    Number,
-    Positive,
-    SteeringLimit,
-    Values,
-    optional,
-    refusal,
-    required,
-)
+from six_wheel.robot_description.parameters.key_types import Common, Values, schema
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Report
 from six_wheel.robot_description.parameters.schema import Form
@@ -58,61 +42,6 @@ WHEELS = {
 }
 Table: TypeAlias = dict[str, Any]
 Check: TypeAlias = Callable[[Section, Values, Report, Report], None]
-
-
-def _length_or_unset(value: float) -> float:
-    if names.is_set(value):
-        Wheel("wheel", 0.0, 0.0, radius=value)
-    return value
-
-
-TYPES: dict[str, Any] = {
-    "number": Number,
-    "finite": Finite,
-    "length": Length,
-    "length_or_unset": Annotated[Number, AfterValidator(_length_or_unset)],
-    "positive": Positive,
-    "count": Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)],
-    "factor": Factor,
-    "integer": Annotated[int, Strict()],
-    "flag": Flag,
-    "name": Name,
-    "names": list[Name],
-    "joints": Annotated[
-        list[Name],
-        Field(min_length=1, max_length=32),
-        BeforeValidator(lambda value: [value] if isinstance(value, str) else value),
-    ],
-    "steering": SteeringLimit,
-    "places": dict[str, tuple[float, float]],
-}
-
-
-def _type(word: str) -> Any:
-    """A type by its word; ``names(3..64)`` is a list of so many joints, ``one|other`` a choice."""
-    if "|" in word:
-        return Literal[tuple(word.split("|"))]
-    if not word.startswith("names("):
-        return TYPES[word]
-    least, most = map(int, word[6:-1].split(".."))
-
-    def check(joints: list[str]) -> list[str]:
-        if not least <= len(joints) <= most:
-            many = f"{least}" if least == most else f"{least} to {most}"
-            raise refusal("joints", f"must name {many} joints, got {len(joints)}")
-        return joints
-
-    return Annotated[list[Name], AfterValidator(check)]
-
-
-def _schema(form: str, keys: Mapping[str, str]) -> type[Common]:
-    fields: dict[str, Any] = {}
-    for key, text in keys.items():
-        word, _, description = text.partition(" ")
-        name = key.replace(".", "_")
-        rule = required if word.endswith("!") else optional
-        fields[name] = (_type(word.rstrip("!")), rule(description, None if name == key else key))
-    return create_model(form, __base__=Common, **fields)
 
 
 # Layouts.
@@ -345,7 +274,7 @@ def _form(form: Table, file: Table) -> Form:
     return Form(
         form["name"],
         form["kind"],
-        _schema(form["name"], keys),
+        schema(form["name"], keys, Common),
         _layout(form["layout"]),
         _joint_lists(form),
         telling=frozenset(form.get("telling", keys.keys() - shared)),

@@ -11,9 +11,9 @@ from typing import Any
 from six_wheel._core import Rover, Wheel
 from six_wheel.robot_description.joint_names import said_by
 from six_wheel.robot_description.parameters.foreign.limits import STEERING_RANGE, with_limits
-from six_wheel.robot_description.parameters.foreign.names import is_set, listed
+from six_wheel.robot_description.parameters.foreign.names import listed
 from six_wheel.robot_description.parameters.joints import JointList
-from six_wheel.robot_description.parameters.key_types import Values, as_argument
+from six_wheel.robot_description.parameters.key_types import Values, as_argument, is_set
 from six_wheel.robot_description.parameters.ros_node_parameters import Section
 from six_wheel.robot_description.parameters.ros_yaml import Report
 from six_wheel.robot_description.parameters.schema import shown
