@@ -106,9 +106,10 @@ def prepare(rover: Rover, log: WheelLog, lengths: Floats, margin: float, number:
         raise ValueError(f"{who}: steering must have shape (n, {steered}), got {steering.shape}")
 
     kept = _usable(rover, log, steering)
-    stamps, angles, steering = _with_rows(
-        _alone(log.truth), log.stamps[kept], log.wheel_angles[kept], steering[kept]
-    )
+    # Rows of a truth with a gap on both sides, as where a loop closes, are rows of the log too.
+    gaps = np.concatenate(([True], np.diff(log.truth.stamps) > log.truth.max_gap, [True]))
+    alone = log.truth.stamps[gaps[1:] & gaps[:-1]]
+    stamps, angles, steering = _with_rows(alone, log.stamps[kept], log.wheel_angles[kept], steering[kept])
     if len(stamps) < 2:
         raise ValueError(f"{who} must have two rows or more that can be used, got {len(stamps)}")
     dt = np.diff(stamps)
@@ -213,12 +214,6 @@ def at_rest(speeds: Floats) -> NDArray[np.bool_]:
     fastest = np.nan_to_num(np.abs(speeds)).max(axis=1, initial=0.0)
     still: NDArray[np.bool_] = fastest <= STILL * np.quantile(fastest, 0.9)
     return still
-
-
-def _alone(truth: GroundTruth) -> Floats:
-    """Stamps of rows of a truth with a gap on both sides, as where a loop closes."""
-    apart = np.concatenate(([True], np.diff(truth.stamps) > truth.max_gap, [True]))
-    return truth.stamps[apart[1:] & apart[:-1]]
 
 
 def _with_rows(

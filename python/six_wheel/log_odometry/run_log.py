@@ -120,7 +120,9 @@ class _Run:
         result._trace.add(track.poses, np.hstack([chunk.stamps[:, None], flat, residuals]))
         upper = [covariances[:, i, j] for i, j in UPPER]
         health = track.health.astype(np.int64)
-        times = self._times(chunk.stamps)
+        times: NDArray[Any] = chunk.stamps
+        if self._since_1970:
+            times = self.log.origin * 1_000_000_000 + np.rint(1e9 * times).astype(np.int64)
         return [times, chunk.rows, *track.poses.T, *track.twists.T, *upper, *residuals.T, health]
 
     def _rover_of(self, chunk: JointRows) -> Rover:
@@ -189,11 +191,6 @@ class _Run:
     def _since_1970(self) -> bool:
         """True for times since 1970, which fit whole nanoseconds; others count from the first second."""
         return bool(self.log.origin) and abs(self.log.origin) < LATEST_NANOSECONDS
-
-    def _times(self, stamps: Floats) -> NDArray[Any]:
-        if not self._since_1970:
-            return stamps
-        return self.log.origin * 1_000_000_000 + np.rint(1e9 * stamps).astype(np.int64)
 
     def _say(self, track: Track, rows: NDArray[np.int64]) -> None:
         for flag, reason in REASONS.items():

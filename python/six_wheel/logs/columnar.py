@@ -42,7 +42,10 @@ class ColumnarFile:
                 self.schema: pa.Schema = self._file.schema_arrow
                 self.rows: int = self._file.metadata.num_rows
             elif format == "json":
-                self._file = _flat(pa.json.read_json(self._handle))
+                table = pa.json.read_json(self._handle)
+                while any(pa.types.is_struct(field.type) for field in table.schema):
+                    table = table.flatten()  # objects within objects become columns such as stamp.sec
+                self._file = table
                 self.schema, self.rows = self._file.schema, self._file.num_rows
             else:
                 self._file = pa.ipc.open_file(self._handle)
@@ -87,15 +90,6 @@ class ColumnarFile:
         """Close the file."""
         if self._handle is not None:
             self._handle.close()
-
-
-def _flat(table: "pa.Table") -> "pa.Table":
-    """A table with a column for every field of objects within objects, as ``stamp.sec``."""
-    import pyarrow as pa
-
-    while any(pa.types.is_struct(field.type) for field in table.schema):
-        table = table.flatten()
-    return table
 
 
 def units_of(schema: "pa.Schema") -> dict[int, str]:

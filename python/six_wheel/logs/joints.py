@@ -217,7 +217,11 @@ class JointLog(Closing):
         for batch in sieve.pass_on(self._source.rows.batches(chunk_rows)):
             if first:
                 self.origin = whole_second(batch.time[0], self._source.time_unit)
-                turning = self._turning()
+                if (readings := self._source.rates) is not None:
+                    source, scale = self._source, readings.time_unit.scale
+                    seconds = partial(in_seconds, scale=scale, origin=self.origin)
+                    keys = source.options.gyroscope
+                    turning = Turning(readings_of(readings, source.stated, seconds, source.up, keys))
             first, rows = False, self._rows(batch)
             if turning is None:
                 yield rows
@@ -353,14 +357,6 @@ class JointLog(Closing):
             check()
         except ImplausibleReadingError as error:
             raise TableError(f"{self.path}: ", error) from None
-
-    def _turning(self) -> Turning | None:
-        """Resampler that brings rates of a gyroscope with stamps of its own to the rows."""
-        source, rates = self._source, self._source.rates
-        if rates is None:
-            return None
-        seconds = partial(in_seconds, scale=rates.time_unit.scale, origin=self.origin)
-        return Turning(readings_of(rates, source.stated, seconds, source.up, source.options.gyroscope))
 
 
 def _with_rates(rows: JointRows, turning: Turning, before: float | None, after: float | None) -> JointRows:

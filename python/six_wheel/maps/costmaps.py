@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Costmap, compose
-from six_wheel.kinematics.errors import FileError, as_path, one_line
+from six_wheel.kinematics.errors import FileError, as_path, needed, one_line
 
 Floats = NDArray[np.float64]
 UNKNOWN, LETHAL = 0.5, 0.65
@@ -51,11 +51,8 @@ def read_costmap(
 ) -> Costmap:
     """See `Costmap.read`."""
     file = as_path("path", path)
-    try:
+    with needed("six-wheel[cli]", "maps of nav2 need"):
         import yaml
-    except ModuleNotFoundError as error:
-        message = 'maps of nav2 need PyYAML: pip install "six-wheel[cli]"'
-        raise ModuleNotFoundError(message, name=error.name) from None
     try:
         keys = yaml.safe_load(file.read_text())
     except RecursionError:

@@ -58,7 +58,10 @@ class Turning:
         """Means between these times, (n + 1,) to (n,); NaN where readings lack for too long. What is before
         the last of them is forgotten."""
         while not self._ended and not (len(self._stamps) and self._stamps[-1] >= edges[-1]):
-            self._take()
+            if (piece := next(self._readings, None)) is None:
+                self._ended = True
+            else:
+                self.add(*piece)
         if len(self._stamps) < 2:
             return np.full(len(edges) - 1, np.nan)
         stamps, rates = self._stamps, self._rates
@@ -83,13 +86,6 @@ class Turning:
         keep = max(int(np.searchsorted(stamps, edges[-1], side="right")) - 2, 0)
         self._stamps, self._rates = stamps[keep:], rates[keep:]
         return means
-
-    def _take(self) -> None:
-        piece = next(self._readings, None)
-        if piece is None:
-            self._ended = True
-            return
-        self.add(*piece)
 
     def add(self, stamps: Floats, rates: Floats) -> None:
         """More readings, behind those that are there."""

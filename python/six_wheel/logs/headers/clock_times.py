@@ -108,7 +108,9 @@ def _read(text: str) -> tuple[int, bool] | None:
 
 
 def _of_date(found: re.Match[str]) -> tuple[int, bool] | None:
-    written = {**found.groupdict(), "month": _month(found["month"])}
+    written = found.groupdict()
+    if not written["month"].isdigit():  # in letters; 0 for none
+        written["month"] = 1 + MONTHS.find(written["month"].lower()) // 3
     parts = [int(written[name]) for name in ("year", "month", "day", "hour", "minute", "second")]
     parts[0] += 2000 if len(found["year"]) == 2 else 0
     parts[3] = _hour(found["hour"], found.groupdict().get("half"))
@@ -120,11 +122,6 @@ def _of_date(found: re.Match[str]) -> tuple[int, bool] | None:
         offset = 3600 * int(found["zh"]) + 60 * int(found["zm"] or 0)
         seconds -= offset if found["sign"] == "+" else -offset
     return seconds * SECOND + _nanoseconds(found["fraction"]), False
-
-
-def _month(text: str) -> str:
-    """Number of a month that is written in letters; 0 for none."""
-    return text if text.isdigit() else str(1 + MONTHS.find(text.lower()) // 3)
 
 
 def _hour(text: str, half: str | None) -> int:

@@ -31,12 +31,12 @@ def array_checks(
     `headers` of a table are by ``"stamp"``, wheels, and steered wheels as ``"NAME steering"``.
     """
     known, wheels = headers or {}, options.get("wheel_encoders")
-    joints = options.get("steering_encoders")
+    joints, speeds = options.get("steering_encoders"), options.get("readings") == "speeds"
     each = [_of(wheels, place, name) for place, name in enumerate(rover.wheel_names)]
     steered = [_of(joints, place, name) for place, name in enumerate(rover.steered_wheel_names)]
     described = Readings(
         rover,
-        kind="increments" if options.get("increments") else _kind(options),
+        kind="increments" if options.get("increments") else "speeds" if speeds else "angles",
         wheels=[Column(known.get(name, f"wheel_angles of {name}"), name) for name in rover.wheel_names],
         steering=[
             Column(known.get(f"{name} steering", f"steering of {name}"), name)
@@ -58,7 +58,7 @@ def array_checks(
         first_row=0,
         directions=directions or {},
     )
-    return ReadingChecks(described, _warn)
+    return ReadingChecks(described, lambda line: warnings.warn(line, SuspiciousReadingsWarning, stacklevel=2))
 
 
 def check_arrays(
@@ -112,11 +112,6 @@ def check_log(
     check_arrays(checks, log.steering, log.wheel_angles, log.stamps, poses, log.yaw_rate)
 
 
-def _kind(options: Mapping[str, Any]) -> str:
-    """Totals, whatever their unit, or speeds."""
-    return "speeds" if options.get("readings") == "speeds" else "angles"
-
-
 def _of(given: Any, place: int, name: str) -> Encoder:
     """The encoder of a wheel, of what `Odometry` takes."""
     if isinstance(given, Mapping):
@@ -124,7 +119,3 @@ def _of(given: Any, place: int, name: str) -> Encoder:
     if isinstance(given, Sequence):
         return given[place] if place < len(given) else Encoder()
     return given or Encoder()
-
-
-def _warn(line: str) -> None:
-    warnings.warn(line, SuspiciousReadingsWarning, stacklevel=2)

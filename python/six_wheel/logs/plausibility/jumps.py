@@ -114,8 +114,9 @@ def find_jumps(
     span = float(values.max() - values.min())
     found = np.flatnonzero(sizes > max(SHARE * span, 0.0))
     found = _lasting(steps, found)
-    found = found[_calm(sizes, found)]
-    if len(found):
+    others = np.delete(sizes, found)
+    calm = len(found) and float(others.max(initial=0.0)) < CALM * float(sizes[found].min())
+    if calm and len(others) >= LEAST:
         wraps_at, known = _wrap(values, steps, found, span, turns, whole)
         seen = wraps_at is not None and _is_certain(values, steps, found, wraps_at, known, whole)
         if seen and (known or whole or not steering):
@@ -137,15 +138,6 @@ def _lasting(steps: Floats, found: NDArray[np.int64]) -> NDArray[np.int64]:
         back[1:] |= pair
         back[:-1] |= pair
     return found[~back]
-
-
-def _calm(sizes: Floats, found: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """True for jumps if all other steps are far shorter."""
-    if not len(found):
-        return np.zeros(0, dtype=bool)
-    others = np.delete(sizes, found)
-    calm = len(others) >= LEAST and float(others.max(initial=0.0)) < CALM * float(sizes[found].min())
-    return np.full(len(found), calm)
 
 
 def _wrap(

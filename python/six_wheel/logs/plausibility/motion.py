@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from six_wheel._core import Rover, Wheel
+from six_wheel._core import Rover
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import (
     Column,
@@ -106,12 +106,11 @@ def _of_body(
     return None
 
 
-def degrees(wheels: Sequence[Column], rates: bool, named: bool) -> Proposal:
-    """The proposal to read these columns in degrees; `named` where they have headers."""
+def degrees(read: Sequence[Column], named: bool, meaning: str = "{} [deg]") -> Proposal:
+    """The proposal to read columns in degrees; `named` where they have headers, which get a `meaning`."""
     if not named:
-        return encoders(turn=360)
-    unit = "deg/s" if rates else "deg"
-    return columns({column.header: f"{column.wheel} [{unit}]" for column in wheels if column.header})
+        return encoders(turn=360, steering="steering" in meaning)
+    return columns({column.header: meaning.format(column.wheel) for column in read if column.header})
 
 
 def check_steering(
@@ -121,10 +120,13 @@ def check_steering(
     these rates (n, wheels) [rad/s] would slip, but not in degrees. Raises `ImplausibleReadingError` if a
     joint is turned so far."""
     steered = [wheel for wheel in rover.wheels if wheel.steered]
+    proposal = degrees(joints, named, "{}_steering [deg]")
     with np.errstate(invalid="ignore"):
         reach = np.nanmax(np.abs(steering), axis=0, initial=0.0)
     for number, (wheel, column) in enumerate(zip(steered, joints, strict=True)):
-        most = _range(wheel)
+        # A joint may be measured a little beyond its range.
+        most = max(map(abs, wheel.steering_range or (math.inf,)))
+        most = max(1.5 * most, most + PLAY)
         if math.isinf(most) or reach[number] <= most:
             continue
         at = row + int(np.nanargmax(np.abs(steering[:, number])))
@@ -132,20 +134,13 @@ def check_steering(
             f'"{column.header}" is at {reach[number]:.4g} rad in row {at}, beyond the joint of {column.wheel}'
         )
         rest = f"; {at_its_word().option} takes it as it is"
-        raise ImplausibleReadingError(f"{what}: degrees? Give ", _in_degrees(joints, named), rest)
+        raise ImplausibleReadingError(f"{what}: degrees? Give ", proposal, rest)
     off, turned = (_off(rover, rates, angles) for angles in (steering, np.radians(steering)))
     if off > SHARP and turned < FLAT:
         names = ", ".join(f'"{column.header}"' for column in joints)
         what = "wheels would slip sideways at these angles in radians, and roll in degrees: give "
         rest = f"; {at_its_word().option} takes them as they are"
-        raise ImplausibleReadingError(f"{names} from row {row} on: {what}", _in_degrees(joints, named), rest)
-
-
-def _in_degrees(joints: Sequence[Column], named: bool) -> Proposal:
-    """The proposal to read joints in degrees; `named` where they have headers."""
-    if not named:
-        return encoders(turn=360, steering=True)
-    return columns({each.header: f"{each.wheel}_steering [deg]" for each in joints if each.header})
+        raise ImplausibleReadingError(f"{names} from row {row} on: {what}", proposal, rest)
 
 
 def _off(rover: Rover, rates: Floats, steering: Floats) -> float:
@@ -164,12 +159,6 @@ def _off(rover: Rover, rates: Floats, steering: Floats) -> float:
     return float(np.median(np.abs(np.sin(angles - steering[rows])).max(axis=1)))
 
 
-def _range(wheel: Wheel) -> float:
-    """The largest angle at which a joint may be measured [rad]."""
-    most = max(map(abs, wheel.steering_range or (math.inf,)))
-    return max(1.5 * most, most + PLAY)
-
-
 def impossible(known: Readings, wheel: int, figure: str) -> ImplausibleReadingError:
     """The error for a wheel that does what none can; `figure` says what and in which row."""
     what = f'"{known.wheels[wheel].header}" {figure}'
@@ -178,7 +167,7 @@ def impossible(known: Readings, wheel: int, figure: str) -> ImplausibleReadingEr
         guess = "are there as many counts in a turn, and are its stamps seconds?"
         by_turn = Option("--ticks-per-turn COUNTS")
         return ImplausibleReadingError(f"{what}: {guess} Give ", by_turn, f", or {stamp_unit('ms')}; {rest}")
-    proposal = degrees(known.wheels, known.kind == "speeds", known.named)
+    proposal = degrees(known.wheels, known.named, "{} [deg/s]" if known.kind == "speeds" else "{} [deg]")
     more = "" if known.clock_stated else f", or {stamp_unit('ms').option}"
     guess = "degrees, or counts, or stamps in another unit?"
     counts = f"--ticks-per-turn COUNTS{more}"

@@ -87,7 +87,10 @@ class _Header:
         self._count = ">q" if version == 5 else ">i"
         self._begin = ">i" if version == 1 else ">q"
         records = self._number(self._count)
-        dimensions = [self._dimension() for _ in range(self._items())]
+        dimensions = []
+        for _ in range(self._items()):
+            self._name()
+            dimensions.append(self._number(self._count))
         self._skip_attributes()
         self.end = 0
         """Bytes of the whole file."""
@@ -123,10 +126,6 @@ class _Header:
 
     def _name(self) -> None:
         self._skip(self._number(self._count))
-
-    def _dimension(self) -> int:
-        self._name()
-        return self._number(self._count)
 
     def _skip_attributes(self) -> None:
         for _ in range(self._items()):

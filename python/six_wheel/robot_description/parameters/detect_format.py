@@ -102,7 +102,9 @@ def form_of(section: Section, error: Report, warning: Report, asked: str | None 
         error(section.line, ("kind",), message, f"add {names}")
         return None
     telling = {*OWN_TELLING, *DIMENSIONS}
-    if by_keys is None and data and not (data.keys() & telling or _nearly_own(data)):
+    plain = (key for key, value in data.items() if not isinstance(value, dict))
+    nearly_own = data.keys() & telling or any(closest(key, telling) for key in plain)
+    if by_keys is None and data and not nearly_own:
         _report_unknown(section, error)
         return None
     return by_keys or KINDS["six_wheel"]
@@ -134,11 +136,6 @@ def _of_unknown_type(section: Section, by_keys: Form | None, error: Report, warn
     remedy = f"known are {names}; describe the vehicle with a kind, or read its keys as another's with --kind"
     error(line, at, what, remedy)
     return None
-
-
-def _nearly_own(data: dict[str, Any]) -> bool:
-    known = (*OWN_TELLING, *DIMENSIONS)
-    return any(closest(key, known) for key, value in data.items() if not isinstance(value, dict))
 
 
 def _report_unknown(section: Section, error: Report) -> None:

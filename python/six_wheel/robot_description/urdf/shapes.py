@@ -28,15 +28,12 @@ def radius_of(tree: Tree, joint: Joint, notes: Notes) -> Radius | None:
                 radius
                 for link in links
                 for shape in tree.links[link].element.findall(part)
-                if (radius := look(shape, tree, joint, link, _where(part, link, joint), notes)) is not None
+                for where in [part if link == joint.child else f"{part} of {link}"]
+                if (radius := look(shape, tree, joint, link, where, notes)) is not None
             ]
             if found:
                 return max(found)
     return None
-
-
-def _where(part: str, link: str, joint: Joint) -> str:
-    return part if link == joint.child else f"{part} of {link}"
 
 
 def _of_round(

@@ -80,8 +80,9 @@ def find_suspension(tree: Tree, wheels: Mapping[str, FoundWheel], notes: Notes) 
     limits = {wheels[name].steering_limit for name in steered}
     if len(limits) == 1 and (limit := limits.pop()) is not None:
         arguments["steering_limit"] = limit
+    bar = tree.parameters.get(left.rocker.name, {}).get("differential_bar")  # as `write` notes it
     try:
-        arguments["differential_bar"] = _noted_bar(tree, left.rocker)
+        arguments["differential_bar"] = None if bar is None else tuple(map(float, str(bar.text).split()))
         model = RockerBogie(**arguments)
     except ValueError as error:
         notes.warn(f"the tree is no rocker-bogie: {error}")
@@ -93,12 +94,6 @@ def find_suspension(tree: Tree, wheels: Mapping[str, FoundWheel], notes: Notes) 
     }
     turned = tuple(name for name in joints.values() if tree.axis(tree.joints[name])[1] < 0.0)
     return Suspension(model, joints, turned)
-
-
-def _noted_bar(tree: Tree, rocker: Joint) -> tuple[float, ...] | None:
-    """The bar that couples the rockers, as `write` notes it; None for a gear."""
-    entry = tree.parameters.get(rocker.name, {}).get("differential_bar")
-    return None if entry is None else tuple(map(float, str(entry.text).split()))
 
 
 def _side(tree: Tree, wheels: Mapping[str, FoundWheel], side: str, notes: Notes) -> _Side | None:

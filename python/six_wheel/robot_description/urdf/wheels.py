@@ -47,9 +47,10 @@ def find_wheels(tree: Tree, notes: Notes, wheel_radius: float | None = None) -> 
     candidates = _on_ground(tree, candidates, radii, notes)
     known = _with_radii(tree, candidates, radii, wheel_radius, notes)
     holds = tree.number_below(all_wheels)
-    driven = _driven(tree, all_wheels)
+    # Those that the file commands have motors, or all where it commands none.
+    silent = not any(joint.name in tree.commanded for joint in all_wheels)
     wheels = [
-        measured_wheel(tree, joint, known[joint.name], holds, driven[joint.name], notes)
+        measured_wheel(tree, joint, known[joint.name], holds, tree.commanded.get(joint.name, silent), notes)
         for joint in candidates
     ]
     if all(wheel.noted_name is not None for wheel in wheels):
@@ -158,12 +159,6 @@ def _with_radii(
             key=lacking[0].name,
         )
     return known | {joint.name: source for joint in lacking}
-
-
-def _driven(tree: Tree, wheels: Sequence[Joint]) -> dict[str, bool]:
-    """True for each wheel with a motor: the file commands its joint, or commands none of them at all."""
-    silent = not any(joint.name in tree.commanded for joint in wheels)
-    return {joint.name: tree.commanded.get(joint.name, silent) for joint in wheels}
 
 
 def _aligned(wheels: list[FoundWheel], notes: Notes) -> list[FoundWheel]:

@@ -25,7 +25,7 @@ def gather_modules(tree: Tree, path: Path, report: Report) -> Tree:
     if not (isinstance(named, list) and named and all(str(name).endswith(".json") for name in named)):
         return tree
     line = tree.places[("modules",)].line
-    modules: dict[str, tuple[float, float]] = {}
+    modules: dict[str, tuple[float, float]] = {}  # places, forward and to the left [inches]
     for index, name in enumerate(map(str, named)):
         file = path.parent / "modules" / name
         module = _json(file)
@@ -39,7 +39,9 @@ def gather_modules(tree: Tree, path: Path, report: Report) -> Tree:
             return tree
         axle, side = said_by(Path(name).stem) or (None, None)
         called = f"{axle}_{side}" if axle and side else Path(name).stem
-        modules[called] = _place_of(module)
+        location = module["location"]
+        ahead, aside = next(keys for keys in _LOCATIONS if keys[0] in location)
+        modules[called] = float(location[ahead]), float(location[aside])
     properties = _json(path.parent / "modules" / "physicalproperties.json")
     known = _number_in(properties, "conversionFactors", "drive", "diameter")
     known = _number_in(properties, "wheelDiameter") if known is None else known
@@ -58,13 +60,6 @@ def _is_module(data: Any) -> bool:
 
 # The older files say x and y for it, x forward and y to the left as everywhere at FIRST.
 _LOCATIONS = (("front", "left"), ("x", "y"))
-
-
-def _place_of(module: dict[str, Any]) -> tuple[float, float]:
-    """Place of a module, forward and to the left [inches]."""
-    location = module["location"]
-    ahead, aside = next(keys for keys in _LOCATIONS if keys[0] in location)
-    return float(location[ahead]), float(location[aside])
 
 
 def _number_in(data: Any, *keys: str) -> float | None:
