@@ -30,6 +30,17 @@ def between(first: Floats, second: Floats) -> Floats:
     return seen
 
 
+def rotations(attitudes: Floats) -> Floats:
+    """Rotations (n, 3, 3) ``Rz(yaw) Ry(pitch) Rx(roll)`` of rows ``[roll, pitch, yaw]`` [rad]."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(attitudes).T, np.cos(attitudes).T
+    rows = (
+        (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        (-sp, cp * sr, cp * cr),
+    )
+    return np.ascontiguousarray(np.moveaxis(np.array(rows), (0, 1), (-2, -1)))
+
+
 def quaternions(attitudes: Floats) -> Floats:
     """Quaternions x, y, z, w (n, 4) of ``Rz(yaw) Ry(pitch) Rx(roll)``: rows ``[roll, pitch, yaw]`` [rad]."""
     (r, p, y), (cr, cp, cy) = np.sin(attitudes / 2.0).T, np.cos(attitudes / 2.0).T

@@ -10,7 +10,7 @@ import numpy as np
 
 from six_wheel.kinematics.errors import TableError
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.poses import Floats
+from six_wheel.kinematics.poses import Floats, rotations
 from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.headers.columns import TIME, Column, find_columns
 from six_wheel.logs.headers.time_columns import in_seconds
@@ -139,14 +139,9 @@ def poses_of(values: Mapping[str, Floats]) -> Floats:
 
 
 def transforms(poses: Floats) -> Floats:
-    """Transforms ``world_from_body`` (n, 4, 4) of rows x, y, z, roll, pitch, yaw: ``Rz(yaw) Ry(pitch)
-    Rx(roll)``."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin(poses[:, 3:]).T, np.cos(poses[:, 3:]).T
+    """Transforms ``world_from_body`` (n, 4, 4) of rows x, y, z, roll, pitch, yaw; see `rotations`."""
     path = np.zeros((len(poses), 4, 4))
-    path[:, 0, :3] = np.stack((cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr), axis=-1)
-    path[:, 1, :3] = np.stack((sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr), axis=-1)
-    path[:, 2, :3] = np.stack((-sp, cp * sr, cp * cr), axis=-1)
-    path[:, :3, 3], path[:, 3, 3] = poses[:, :3], 1.0
+    path[:, :3, :3], path[:, :3, 3], path[:, 3, 3] = rotations(poses[:, 3:]), poses[:, :3], 1.0
     return path
 
 

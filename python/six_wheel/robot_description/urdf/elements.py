@@ -128,15 +128,3 @@ def vector(
         message = f"{key} of {name} must be three finite numbers, got {text!r}"
         notes.fail(message, line=line_of(element))
     return np.array(values)
-
-
-def rotation_of(roll: float, pitch: float, yaw: float) -> Floats:
-    """The rotation of fixed-axis angles: Rz(yaw) Ry(pitch) Rx(roll)."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin([roll, pitch, yaw]), np.cos([roll, pitch, yaw])
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )

@@ -6,8 +6,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from six_wheel.kinematics.poses import Floats
-from six_wheel.robot_description.urdf.elements import Notes, number, rotation_of, vector
+from six_wheel.kinematics.poses import Floats, rotations
+from six_wheel.robot_description.urdf.elements import Notes, number, vector
 from six_wheel.robot_description.urdf.tree import Joint, Tree
 
 ALONG = 0.9  # cosine of the angle up to which a cylinder lies along the axle
@@ -43,7 +43,7 @@ def _of_round(
         if (element := shape.find(f"geometry/{tag}")) is None:
             continue
         radius = number(element.get("radius", ""), f"the radius in the {where}", element, notes)
-        turned = rotation_of(*vector(shape.find("origin"), "rpy", link, notes))
+        turned = rotations(vector(shape.find("origin"), "rpy", link, notes))
         along = abs(float(turned[:, 2] @ _axle(tree, joint, link)))
         if radius > 0.0 and (tag == "sphere" or along >= ALONG):
             return radius, f"{tag} in the {where}"
@@ -79,7 +79,7 @@ def _of_mesh(
         return None
     scale = vector(mesh, "scale", link, notes, default=(1.0, 1.0, 1.0))
     origin = shape.find("origin")
-    points = points * scale @ rotation_of(*vector(origin, "rpy", link, notes)).T
+    points = points * scale @ rotations(vector(origin, "rpy", link, notes)).T
     points = points + vector(origin, "xyz", link, notes)
     if link != joint.child:
         rotation, offset = tree.pose(tree.above[link], joint)

@@ -8,14 +8,13 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from six_wheel.kinematics.poses import Floats
+from six_wheel.kinematics.poses import Floats, rotations
 from six_wheel.robot_description.urdf.elements import (
     Notes,
     line_of,
     name_of,
     number,
     parse,
-    rotation_of,
     vector,
 )
 
@@ -282,7 +281,7 @@ def _joint(element: ElementTree.Element, notes: Notes) -> Joint:
         kind,
         end("parent"),
         end("child"),
-        rotation_of(*rpy),
+        rotations(rpy),
         vector(origin, "xyz", name, notes),
         direction / length if length >= 1e-9 else np.array([1.0, 0.0, 0.0]),
         _limits(limit, kind, name, notes),

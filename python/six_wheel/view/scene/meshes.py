@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from six_wheel.kinematics.poses import Floats
-from six_wheel.robot_description.urdf.elements import Notes, number, rotation_of, vector
+from six_wheel.kinematics.poses import Floats, rotations
+from six_wheel.robot_description.urdf.elements import Notes, number, vector
 from six_wheel.robot_description.urdf.shapes import mesh_file
 from six_wheel.robot_description.urdf.tree import Tree
 from six_wheel.view.motion import Motion
@@ -101,7 +101,7 @@ def _shapes_of(tree: Tree, link: str, notes: Notes) -> list[tuple[Mesh, Color]]:
         for shape in element.findall(part):
             mesh = _shape(shape, tree, link, notes)
             if mesh is not None and len(mesh.faces):
-                turned = rotation_of(*vector(shape.find("origin"), "rpy", link, notes))
+                turned = rotations(vector(shape.find("origin"), "rpy", link, notes))
                 placed = shapes.move(mesh, turned, vector(shape.find("origin"), "xyz", link, notes))
                 found.append((placed, _color(shape, tree)))
         if found or element.find("visual") is None:
