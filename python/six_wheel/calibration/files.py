@@ -24,7 +24,7 @@ from six_wheel.log_odometry.evaluation.paths import align
 from six_wheel.logs.detect_reader import AnyLog, logs_in, read_log
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.recordings import WheelLog
-from six_wheel.parallel import Journal
+from six_wheel.parallel import Journal, file_states
 from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.dimensions import FRAME
 from six_wheel.robot_description.gyroscope_errors import ARGUMENTS
@@ -148,10 +148,9 @@ def calibrate_files(
 
 def _run(rover: Rover, sources: Sequence[Path], reading: str, options: dict[str, Any]) -> dict[str, Any]:
     """Everything that the worth of a set of parameters depends on."""
-    files = [file for path in sources for file in (sorted(path.rglob("*")) if path.is_dir() else [path])]
-    states = [[str(file.resolve()), file.stat().st_size, file.stat().st_mtime_ns] for file in files]
     said = {name: repr(value) for name, value in options.items() if name not in ("cluster", "workers")}
-    return said | {"version": __version__, "rover": repr(rover), "reading": reading, "files": states}
+    known = {"version": __version__, "rover": repr(rover), "reading": reading, "files": file_states(sources)}
+    return said | known
 
 
 def _read_back(text: str, parameters: Parameters | None) -> list[str]:

@@ -29,7 +29,7 @@ from six_wheel.logs.detect_reader import logs_in, read_log
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.tables import table_format
-from six_wheel.parallel import Failure, Journal, spread
+from six_wheel.parallel import Failure, Journal, file_states, spread
 
 JOURNAL = ".done"  # folder beside the tracks
 
@@ -64,10 +64,7 @@ class LogTask:
     rover: Rover
     path: Path
     track: Path
-    truth: Path | None
-    log_options: LogOptions
-    settings: ReckonSettings
-    length: float
+    how: dict[str, Any]  # other arguments of `reckon`
 
 
 @checked()
@@ -123,10 +120,11 @@ def reckon_all(
     tracks = _tracks(logs, output, ending)
     output.mkdir(parents=True, exist_ok=True)
     journal = Journal(output / JOURNAL, {"kept": "summaries of tracks and sketches of logs"})
-    options, way = log_options or LogOptions(), settings or ReckonSettings()
+    options, reference = log_options or LogOptions(), truth and truth.resolve()
+    how: dict[str, Any] = {"truth": reference, "log_options": options, "length": length}
+    how["settings"] = settings or ReckonSettings()
     jobs = [
-        LogTask(rover, path.resolve(), track.resolve(), truth and truth.resolve(), options, way, length)
-        for path, track in zip(logs, tracks, strict=True)
+        LogTask(rover, path.resolve(), track.resolve(), how) for path, track in zip(logs, tracks, strict=True)
     ]
     keys = [_key(job) for job in jobs]
     done = 0
@@ -203,15 +201,7 @@ def reckon_one(job: LogTask) -> dict[str, Any]:
     """Summary and sketch of a log, where the worker is; its track is in place before this returns."""
     job.track.parent.mkdir(parents=True, exist_ok=True)
     with together():
-        result = reckon(
-            job.rover,
-            job.path,
-            job.track,
-            truth=job.truth,
-            log_options=job.log_options,
-            settings=job.settings,
-            length=job.length,
-        )
+        result = reckon(job.rover, job.path, job.track, **job.how)
     judged = result.placed if result.evaluation is None else result.evaluation.first
     summary = {
         "rows": result.rows,
@@ -283,8 +273,6 @@ def _tracks(logs: Sequence[Path], output: Path, ending: str) -> list[Path]:
 
 def _key(job: LogTask) -> int:
     """Hash of everything that a track depends on; it changes with any of it."""
-    files = sorted(job.path.rglob("*")) if job.path.is_dir() else [job.path]
-    files += [] if job.truth is None else [job.truth]
-    states = [(str(file), file.stat().st_size, file.stat().st_mtime_ns) for file in files if file.is_file()]
-    said = [__version__, *map(repr, (job.rover, job.settings, job.log_options, job.length, job.track))]
+    states = file_states([job.path] if job.how["truth"] is None else [job.path, job.how["truth"]])
+    said = [__version__, *map(repr, (job.rover, job.how, job.track))]
     return int(hashlib.sha256(json.dumps([said, states]).encode()).hexdigest()[:15], 16)

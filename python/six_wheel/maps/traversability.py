@@ -25,7 +25,7 @@ from six_wheel.maps.files import Options
 from six_wheel.maps.readers.rasters import GridImage, Raster, rasterio
 from six_wheel.maps.reading import open_raster
 from six_wheel.maps.tiles import REASONS, Tile, judge, reach
-from six_wheel.parallel import Journal, spread
+from six_wheel.parallel import Journal, file_states, spread
 
 SIDE = 256  # cells of a tile along its side
 PICTURE = 1000  # largest side of what a picture is made from
@@ -196,8 +196,7 @@ class _Task(NamedTuple):
         """All that the answers for a map depend on."""
         return {
             "six_wheel": __version__,
-            "map": str(path.resolve()),
-            "changed": [path.stat().st_size, path.stat().st_mtime_ns],
+            "map": file_states([path]),
             "rover": hashlib.sha256(repr(self.rover).encode()).hexdigest(),
             "headings": self.headings,
             "limits": [str(limit) for limit in self.limits],

@@ -9,7 +9,7 @@ import contextlib
 import json
 import os
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Self
 
@@ -20,6 +20,13 @@ from six_wheel.kinematics.errors import FileError
 MANIFEST = "journal.json"
 ARRAY = "__array__"  # key of a stand-in for an array
 TUPLE = "__tuple__"  # key of a stand-in for a tuple
+
+
+def file_states(paths: Iterable[Path]) -> list[list[Any]]:
+    """Path, size and time of change of files, and of those in folders, as far as a run depends on them."""
+    files = [file for path in paths for file in (sorted(path.rglob("*")) if path.is_dir() else [path])]
+    stats = [(str(file.resolve()), file.stat()) for file in files if file.is_file()]
+    return [[name, stat.st_size, stat.st_mtime_ns] for name, stat in stats]
 
 
 class JournalError(FileError):
