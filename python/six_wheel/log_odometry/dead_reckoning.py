@@ -200,7 +200,7 @@ def dead_reckon(
         source = tabular_input.table(
             rover, steering, columns, rates, options, stamp_unit=stamp_unit, plausibility=plausibility
         )
-        options |= _readings_of(source)
+        options |= source.options
     odometry = Odometry(rover, noise, **{"lag": 0.0} | options)  # no pose from outside comes late
     odometry.reset(start, start_covariance)
     stamps = None if stamps is None else tabular_input.seconds_of(stamps)
@@ -258,13 +258,6 @@ def _rows(stamps: Any) -> int:
         return next(iter(np.shape(stamps)), 0)
 
 
-def _readings_of(source: tabular_input.Source) -> dict[str, str]:
-    """The option `readings` that the headers of a table give."""
-    if source.readings is None:
-        return {}
-    return {"readings": "angles" if source.readings == "ticks" else source.readings}
-
-
 def _refuse(arguments: Mapping[str, object], where: str) -> None:
     for argument, value in arguments.items():
         if value is not None:
@@ -319,7 +312,7 @@ def dead_reckon_chunks(
     keywords: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}
     sensors, rows = {"yaw": yaw, "yaw_rate": yaw_rate}, chunk_rows or tabular_input.CHUNK_ROWS
     source = tabular_input.table(rover, table, columns, sensors, options, rows, stamp_unit, plausibility)
-    odometry = Odometry(rover, noise, **{"lag": 0.0} | options | _readings_of(source))
+    odometry = Odometry(rover, noise, **{"lag": 0.0} | options | source.options)
     odometry.reset(start, start_covariance)
     return tabular_input.follow(odometry, source, keywords, progress)
 

@@ -174,7 +174,7 @@ def _as_log(source: Any, rover: Rover, options: LogOptions, number: int) -> Whee
     columns, clock = options.columns or None, options.stamp_unit
     read = table(rover, source, columns, {}, given, stamp_unit=clock, plausibility=options.plausibility)
     log = whole(read)
-    if read.readings == "speeds":
+    if read.options.get("readings") == "speeds":
         given["readings"] = "speeds"
     return WheelLog(log.stamps, log.steering, log.wheels, options=given, plausibility=False)
 

@@ -78,9 +78,7 @@ class GroundTruth(Tabular):
     space: Floats | Any = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        stamps = _numbers("stamps", self.stamps)
-        if stamps.ndim != 1 or len(stamps) < 2:
-            raise ValueError(f"stamps must have shape (n,), n >= 2, got {stamps.shape}")
+        stamps = _stamps(self.stamps)
         if not (isinstance(self.max_gap, Real) and self.max_gap > 0.0):
             raise ValueError(f"max_gap must be positive, got {self.max_gap!r}")
         poses = _numbers("poses", self.poses)
@@ -210,9 +208,7 @@ class WheelLog(Tabular):
     rover: Rover | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        stamps = _numbers("stamps", self.stamps)
-        if stamps.ndim != 1 or len(stamps) < 2:
-            raise ValueError(f"stamps must have shape (n,), n >= 2, got {stamps.shape}")
+        stamps = _stamps(self.stamps)
         _check_order(stamps)
         angles = _numbers("wheel_angles", self.wheel_angles)
         if angles.ndim != 2 or len(angles) != len(stamps):
@@ -380,6 +376,14 @@ def _check_order(stamps: Floats) -> None:
         raise ValueError(f"stamps must be finite, got {stamps[bad][0]} in row {int(np.argmax(bad))}")
     row = int(np.argmax(steps < 0.0)) + 1
     raise ValueError(f"stamps must not run backwards, got {stamps[row]} after {stamps[row - 1]} in row {row}")
+
+
+def _stamps(values: object) -> Floats:
+    """Two stamps or more."""
+    stamps = _numbers("stamps", values)
+    if stamps.ndim != 1 or len(stamps) < 2:
+        raise ValueError(f"stamps must have shape (n,), n >= 2, got {stamps.shape}")
+    return stamps
 
 
 def _numbers(name: str, values: object) -> Floats:

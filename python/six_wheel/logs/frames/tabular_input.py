@@ -6,7 +6,7 @@ import os
 import reprlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -48,13 +48,13 @@ class Piece:
 class Source:
     """All pieces of a log, and how many rows they have together.
 
-    `readings` is what the headers of a table say that the wheels are read as, None if they say nothing;
-    `checks` looks at the pieces before they are used.
+    `options` has the option `readings` of `Odometry` if the headers of a table say it; `checks` looks at the
+    pieces before they are used.
     """
 
     rows: int
     pieces: Iterable[Piece]
-    readings: str | None = None
+    options: dict[str, str] = field(default_factory=dict)
     checks: ReadingChecks | None = None
 
 
@@ -147,8 +147,9 @@ def table(
         raise ValueError(
             f"the wheels are in ticks, and how many a turn has must be said: give {encoders(counts=True)}"
         )
-    if meaning.readings is not None:
-        options = {**options, "readings": "angles" if meaning.readings == "ticks" else meaning.readings}
+    said = {"readings": "angles" if meaning.readings == "ticks" else meaning.readings}
+    known = {name: readings for name, readings in said.items() if readings is not None}
+    options = {**options, **known}
     directions = direction_columns(headers, rover)
     checks = _checks(rover, options, meaning, directions) if plausibility else None
     wanted = sorted({header for header in meaning.found.values() if header})
@@ -184,7 +185,7 @@ def table(
             yield _piece(rover, meaning, read, origin)
 
     rows = opened.rows if opened is not None else len(source[meaning.found["stamp"]])
-    return Source(rows, _checked(pieces(), checks), meaning.readings, checks)
+    return Source(rows, _checked(pieces(), checks), known, checks)
 
 
 def _checked(pieces: Iterator[Piece], checks: ReadingChecks | None) -> Iterator[Piece]:

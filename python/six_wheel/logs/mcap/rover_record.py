@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -83,8 +84,9 @@ class RoverRecord(Closing):
         self._odometry = frames.odometry(self._names.odom, self._names.base)
         self._transform = frames.transforms((self._names.odom, self._names.base))
         self._slip = frames.values(len(rover.wheel_names), ",".join(rover.wheel_names))
-        self._twists: dict[str, frames.Frame] = {}
-        self._joints: dict[tuple[Any, ...], frames.Frame] = {}
+        # A sender that makes up names must not fill the memory.
+        self._twist_stamped = lru_cache(64)(frames.twist_stamped)
+        self._joint_state = lru_cache(64)(frames.joint_state)
         self._clock = frames.clock()
         self._reasons: int | None = None
 
@@ -104,12 +106,7 @@ class RoverRecord(Closing):
         efforts: Numbers = (),
     ) -> None:
         """Joint states that came at `now`, as they were [rad, rad/s]."""
-        key = (tuple(names), len(positions), len(velocities), len(efforts))
-        frame = self._joints.get(key)
-        if frame is None:
-            if len(self._joints) > 64:  # a sender that makes up names must not fill the memory
-                self._joints.clear()
-            frame = self._joints[key] = frames.joint_state(*key)
+        frame = self._joint_state(tuple(names), len(positions), len(velocities), len(efforts))
         given = [group for group in (positions, velocities, efforts) if len(group)]
         self.joint_message(now, stamp, frame.pack(stamp, *given))
 
@@ -204,13 +201,9 @@ class RoverRecord(Closing):
         self._file.close()
 
     def _twist(self, topic: str, now: int, stamp: int, twist: Numbers, frame_id: str) -> None:
-        frame = self._twists.get(frame_id)
-        if frame is None:
-            if len(self._twists) > 64:
-                self._twists.clear()
-            frame = self._twists[frame_id] = frames.twist_stamped(frame_id)
         channel = self._file.topic(topic, "geometry_msgs/msg/TwistStamped")
-        self._file.write(channel, now, frame.pack(stamp, frames.planar_twist(twist)), stamp)
+        message = self._twist_stamped(frame_id).pack(stamp, frames.planar_twist(twist))
+        self._file.write(channel, now, message, stamp)
 
     def _text(self, topic: str, now: int, value: str) -> None:
         self._file.write(self._file.topic(topic, "std_msgs/msg/String"), now, frames.text(value))
