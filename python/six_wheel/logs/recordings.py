@@ -152,8 +152,7 @@ class GroundTruth(Tabular):
     def _columns(self) -> Columns:
         columns = pose_columns(self.stamps, self.poses)
         if self.space is not None:
-            units = {"z": "m", "roll": "rad", "pitch": "rad"}
-            columns |= {name: (unit, self.space[:, k]) for k, (name, unit) in enumerate(units.items())}
+            columns |= pose_columns(self.stamps, self.space, {"z": "m", "roll": "rad", "pitch": "rad"})
         return columns
 
     def __repr__(self) -> str:
@@ -214,9 +213,9 @@ class WheelLog(Tabular):
         if angles.ndim != 2 or len(angles) != len(stamps):
             raise ValueError(f"wheel_angles must have shape ({len(stamps)}, wheels), got {angles.shape}")
         steering = None if self.steering is None else _numbers("steering", self.steering)
-        rows = len(stamps)
-        if steering is not None and (steering.ndim != 2 or len(steering) != rows):
-            raise ValueError(f"steering must have shape ({rows}, steered wheels), got {steering.shape}")
+        if steering is not None and (steering.ndim != 2 or len(steering) != len(stamps)):
+            rule = f"steering must have shape ({len(stamps)}, steered wheels)"
+            raise ValueError(f"{rule}, got {steering.shape}")
         check_kind("rover", self.rover) if self.rover is not None else None
         truth = self.truth
         if truth is not None and not isinstance(truth, GroundTruth):
@@ -379,7 +378,6 @@ def _check_order(stamps: Floats) -> None:
 
 
 def _stamps(values: object) -> Floats:
-    """Two stamps or more."""
     stamps = _numbers("stamps", values)
     if stamps.ndim != 1 or len(stamps) < 2:
         raise ValueError(f"stamps must have shape (n,), n >= 2, got {stamps.shape}")
