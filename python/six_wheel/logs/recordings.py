@@ -310,8 +310,9 @@ class WheelLog(Tabular):
         if not (known := self.options):
             return self
         wheels = encoder_of_each("wheel_encoders", known.get("wheel_encoders"), rover.wheel_names)
-        steered = rover.steered_wheel_names
-        joints = encoder_of_each("steering_encoders", known.get("steering_encoders"), steered)
+        joints = encoder_of_each(
+            "steering_encoders", known.get("steering_encoders"), rover.steered_wheel_names
+        )
         readings = known.get("readings", "angles")
         if readings not in ("angles", "speeds", "ticks"):
             raise ValueError(f"readings must be 'angles', 'speeds' or 'ticks', got {readings!r}")
