@@ -78,7 +78,9 @@ class GroundTruth(Tabular):
     space: Floats | Any = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        stamps = _stamps(self.stamps)
+        stamps = _numbers("stamps", self.stamps)
+        if stamps.ndim != 1 or len(stamps) < 2:
+            raise ValueError(f"stamps must have shape (n,), n >= 2, got {stamps.shape}")
         if not (isinstance(self.max_gap, Real) and self.max_gap > 0.0):
             raise ValueError(f"max_gap must be positive, got {self.max_gap!r}")
         poses = _numbers("poses", self.poses)
@@ -207,7 +209,9 @@ class WheelLog(Tabular):
     rover: Rover | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        stamps = _stamps(self.stamps)
+        stamps = _numbers("stamps", self.stamps)
+        if stamps.ndim != 1 or len(stamps) < 2:
+            raise ValueError(f"stamps must have shape (n,), n >= 2, got {stamps.shape}")
         _check_order(stamps)
         angles = _numbers("wheel_angles", self.wheel_angles)
         if angles.ndim != 2 or len(angles) != len(stamps):
@@ -310,9 +314,8 @@ class WheelLog(Tabular):
         if not (known := self.options):
             return self
         wheels = encoder_of_each("wheel_encoders", known.get("wheel_encoders"), rover.wheel_names)
-        joints = encoder_of_each(
-            "steering_encoders", known.get("steering_encoders"), rover.steered_wheel_names
-        )
+        steered = rover.steered_wheel_names
+        joints = encoder_of_each("steering_encoders", known.get("steering_encoders"), steered)
         readings = known.get("readings", "angles")
         if readings not in ("angles", "speeds", "ticks"):
             raise ValueError(f"readings must be 'angles', 'speeds' or 'ticks', got {readings!r}")
@@ -376,13 +379,6 @@ def _check_order(stamps: Floats) -> None:
         raise ValueError(f"stamps must be finite, got {stamps[bad][0]} in row {int(np.argmax(bad))}")
     row = int(np.argmax(steps < 0.0)) + 1
     raise ValueError(f"stamps must not run backwards, got {stamps[row]} after {stamps[row - 1]} in row {row}")
-
-
-def _stamps(values: object) -> Floats:
-    stamps = _numbers("stamps", values)
-    if stamps.ndim != 1 or len(stamps) < 2:
-        raise ValueError(f"stamps must have shape (n,), n >= 2, got {stamps.shape}")
-    return stamps
 
 
 def _numbers(name: str, values: object) -> Floats:
