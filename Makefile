@@ -31,7 +31,7 @@ READERS = yaml commands log bag urdf
 ROWS ?= 1e9
 COVERAGE = -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 -Cllvm-args=-sanitizer-coverage-trace-compares \
 	-Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table -Ccodegen-units=1
-OLDEST = numpy==1.26.*
+NUMPYS ?= numpy==1.26.* numpy
 BOUNDARY = tests/core/boundary tests/core/door tests/core/laws/test_geometry.py tests/core/laws/test_fit.py
 PYTHONS ?= python3.11 python3.12 python3.13 python3.14
 
@@ -77,9 +77,9 @@ compare: $(VENV)/installed ## every level against the scalar one, ROWS rows of c
 
 # All that pyenv has, if it is there.
 test-versions: export PYENV_VERSION = $(shell pyenv versions --bare 2>/dev/null | paste -sd:)
-test-versions: $(VENV)/installed ## the boundary with the oldest NumPy, and with every Python there is
+test-versions: $(VENV)/installed ## the boundary with every Python there is, with the oldest NumPy and the newest; PYTHONS= and NUMPYS= choose
 	for python in $(PYTHONS); do $$python --version > /dev/null 2>&1 || { echo "$$python: not on this machine, skipped"; continue; }; \
-		for numpy in "$(OLDEST)" numpy; do home=target/versions/$$python-$${numpy%%=*}-$${#numpy}; \
+		for numpy in $(foreach numpy,$(NUMPYS),"$(numpy)"); do home=target/versions/$$python-$${numpy%%=*}-$${#numpy}; \
 		test -x $$home/bin/python || $$python -m venv $$home; \
 		$$home/bin/python -m pip install --quiet --only-binary :all: "$$numpy" pytest pytest-xdist hypothesis \
 			|| { echo "$$python: no wheel of $$numpy, skipped"; continue; }; \
