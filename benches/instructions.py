@@ -35,8 +35,8 @@ def build() -> Path:
         "six-wheel-planner",
         "--bench",
         "instructions",
-        "--features",
-        "six-wheel-numerics/all-levels",  # the crates as in the wheel: they are not built again
+        "--package",
+        "six-wheel-py",  # with its features the crates are those of the wheel, and not built again
         "--locked",
         "--no-run",
     ]
