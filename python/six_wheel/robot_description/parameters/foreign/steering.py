@@ -32,33 +32,34 @@ FRONT_RADIUS = ("steering_wheels_radius", "front_wheels_radius", "front_wheel_ra
 
 def ackermann_steering(values: Values) -> Rover:
     track = _given(values, *TRACK) or 1.0
-    return _placed(_car(values, _given(values, *FRONT_TRACK) or track, track), values)
+    return _car(values, _given(values, *FRONT_TRACK) or track, track)
 
 
 def tricycle_steering(values: Values) -> Rover:
     if _drives_steered(values):
-        return _placed(_car(values, None, _given(values, *TRACK), driven="front"), values)
-    return _placed(_car(values, None, _given(values, *TRACK) or 1.0), values)
+        return _car(values, None, _given(values, *TRACK), driven="front")
+    return _car(values, None, _given(values, *TRACK) or 1.0)
 
 
 def tricycle(values: Values) -> Rover:
-    return _placed(_car(values, None, values.get("track_width"), driven="front"), values)
+    return _car(values, None, values.get("track_width"), driven="front")
 
 
 def bicycle_steering(values: Values) -> Rover:
-    return _placed(_car(values, None, None), values)
+    return _car(values, None, None)
 
 
 def _car(
     values: Values, front_track: float | None, rear_track: float | None, *, driven: str = "rear"
 ) -> Rover:
-    """Steered front and fixed rear wheels, one where there is no track; origin between the rear ones."""
+    """Steered front and fixed rear wheels, one where there is no track; origin between the fixed ones."""
     radius = _given(values, *RADIUS, "wheel_radius") or 1.0
     front_radius = _given(values, *FRONT_RADIUS) if driven == "rear" else None
     limit = as_argument(values.get("steering_limit"))
     steering = {"steered": True, "steering_limit": limit, "driven": driven == "front"}
     front = _axle("front", values["wheelbase"], front_track, front_radius or radius, **steering)
-    return Rover([*front, *_axle("rear", 0.0, rear_track, radius, driven=driven == "rear")])
+    car = Rover([*front, *_axle("rear", 0.0, rear_track, radius, driven=driven == "rear")])
+    return _behind(car) if _steers_behind(values) else car
 
 
 def _axle(name: str, x: float, track: float | None, radius: float, **keywords: Any) -> Iterator[Wheel]:
@@ -69,27 +70,13 @@ def _axle(name: str, x: float, track: float | None, radius: float, **keywords: A
         yield Wheel(f"{name}_right", x, -track / 2, radius=radius, **keywords)
 
 
-def _placed(car: Rover, values: Values) -> Rover:
-    return _behind(car) if _steers_behind(values) else car
-
-
 def _behind(car: Rover) -> Rover:
     """A car with its steered axle as far behind the origin as it was ahead of it, and named so."""
     other = {"front": "rear", "rear": "front"}
     wheels = []
     for wheel in sorted(car.wheels, key=lambda wheel: wheel.steered):
         axle, _, side = wheel.name.partition("_")
-        wheels.append(
-            Wheel(
-                "_".join(filter(None, (other[axle], side))),
-                0.0 - wheel.x,
-                wheel.y,
-                radius=wheel.radius,
-                steered=wheel.steered,
-                steering_limit=wheel.steering_limit,
-                driven=wheel.driven,
-            )
-        )
+        wheels.append(wheel.replace(name="_".join(filter(None, (other[axle], side))), x=0.0 - wheel.x))
     return Rover(wheels)
 
 
