@@ -155,24 +155,23 @@ class Calibration(Shown):
         """The whole report: values, what is not identified, errors per run, residuals, cross-validation."""
         parts = [
             [f"# {title}"],
-            self._of_values(),
+            self._value_lines(),
             [f"Intervals from leaving out one after another of {self.basis}. Loss: {self.loss}."],
             [] if self.converged else ["**The fit did not settle; do not trust these values.**"],
             ["## Slip", "", *(f"- {sentence}" for sentence in self.slips)] if self.slips else [],
-            [] if self.measured_noise is None else self._of_noise(self.measured_noise),
-            [] if self.gyroscope is None else _of_gyroscope(self.gyroscope),
+            [] if self.measured_noise is None else self._noise_lines(self.measured_noise),
+            [] if self.gyroscope is None else _gyroscope_lines(self.gyroscope),
         ]
         if messages := self.observability.messages:
             parts.append(["## What the drives do not tell", "", *(f"- {message}" for message in messages)])
-        parts += [self._of_runs("m", "position"), self._of_runs("rad", "heading"), self._of_windows()]
+        parts += [self._run_lines("m", "position"), self._run_lines("rad", "heading"), self._window_lines()]
         if (checked := self.cross_validation) is not None:
             rule = f"Mean error of the runs of each {checked.kind} under a fit without it"
             said = [f"{rule}; the chosen set in bold.", "", checked.to_markdown()]
             parts.append(["## Cross-validation", "", *said])
         return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
 
-    def _of_values(self) -> list[str]:
-        """The table of the parameters."""
+    def _value_lines(self) -> list[str]:
         percent = f"{100 * self.confidence:g} %"
         head = f"| parameter | nominal | calibrated | standard deviation | {percent} interval |"
         lines = [head, "|---|---|---|---|---|"]
@@ -183,8 +182,7 @@ class Calibration(Shown):
             lines.append(f"| {name} | {one.nominal:.6g} | {one.value:.6g} | {known} |")
         return lines
 
-    def _of_noise(self, measured: MeasuredNoise) -> list[str]:
-        """The measured slip, of all wheels and of each."""
+    def _noise_lines(self, measured: MeasuredNoise) -> list[str]:
         named = [(f"`{slip.name}`", slip) for slip in (measured.slip, measured.side_slip)]
         named += [(f"times that, of `{wheel.name}`", wheel) for wheel in measured.wheels]
         percent = f"{100 * self.confidence:g} %"
@@ -197,7 +195,7 @@ class Calibration(Shown):
             lines += ["", "These ends do not tell the slip of one wheel from that of another."]
         return lines
 
-    def _of_runs(self, unit: str, what: str) -> list[str]:
+    def _run_lines(self, unit: str, what: str) -> list[str]:
         """Errors of the runs whose truth has this unit; nothing if there is none."""
         rows = [
             f"| {run.name} | {run.distance:.2f} | {run.before:.4f} | {run.after:.4f} | {run.dropped} |"
@@ -210,8 +208,7 @@ class Calibration(Shown):
         head = f"| run | distance [m] | nominal [{unit}] | calibrated [{unit}] | rows left out |"
         return ["## Runs", "", said, "", head, "|---|---|---|---|---|", *rows]
 
-    def _of_windows(self) -> list[str]:
-        """Errors of the windows of each length."""
+    def _window_lines(self) -> list[str]:
         lines = [
             "## Windows",
             "",
@@ -226,8 +223,7 @@ class Calibration(Shown):
         return lines
 
 
-def _of_gyroscope(found: MeasuredGyroscope) -> list[str]:
-    """The measured errors of a gyroscope, as sentences."""
+def _gyroscope_lines(found: MeasuredGyroscope) -> list[str]:
     rate, walk = found.noise, found.bias_walk
     said = f"A reading of the gyroscope errs by {rate.value:.3g} rad/s "
     said += f"({rate.interval[0]:.3g} to {rate.interval[1]:.3g}), "

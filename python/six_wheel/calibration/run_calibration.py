@@ -186,7 +186,7 @@ def calibrate(
     result = _fit(problem, records, confidence, tuple(chosen), checked)
     result = replace(_with_gyroscope(result, whole), slips=tuple(map(str, slipped)))
     of_tracks = any(isinstance(one, Track) for one in (truth if isinstance(truth, list | tuple) else [truth]))
-    result = _saying(result, *copies, *([OF_TRACKS] if of_tracks else []))
+    result = _with_messages(result, *copies, *([OF_TRACKS] if of_tracks else []))
     if progress is not None:
         progress(1, 1, "fitting all drives")
     return result
@@ -218,7 +218,7 @@ def _without_slides(
     """Logs and drives, cut where the rover slid."""
     cut: list[tuple[WheelLog, Drive]] = []
     for log, drive in zip(records, drives, strict=True):
-        slides = _slides(slipped, drive.number)
+        slides = _stretches_of_log(slipped, drive.number)
         again = partial(prepared, number=drive.number)
         cut += slip.clean(log, slides, again, drive.session) if slides else [(log, drive)]
     if not cut:
@@ -235,7 +235,7 @@ def _parts(
     prepared: Callable[..., Drive],
 ) -> list[Drive]:
     """Parts of a single log in which the rover moves, to be left out one after another."""
-    parts, slides = pieces(log), _slides(slipped, number)
+    parts, slides = pieces(log), _stretches_of_log(slipped, number)
     found: list[Drive] = []
     for part, moves in zip(parts, moving(rover, parts, margin), strict=True):
         if moves and slides:
@@ -245,8 +245,7 @@ def _parts(
     return found
 
 
-def _saying(result: Calibration, *messages: str) -> Calibration:
-    """With more to be said of what the drives do not tell."""
+def _with_messages(result: Calibration, *messages: str) -> Calibration:
     seen = result.observability
     return replace(result, observability=replace(seen, messages=(*seen.messages, *messages)))
 
@@ -260,7 +259,7 @@ def _with_gyroscope(result: Calibration, logs: Sequence[WheelLog]) -> Calibratio
             "what the gyroscope errs by is not known: it shows where the rover stands still for 1 s and more"
         )
         messages = (*messages, rule)
-    result = _saying(result, *messages)
+    result = _with_messages(result, *messages)
     if measured is None:
         return result
     measured = replace(measured, scale=scale(logs, result.time_offset, result.confidence))
@@ -269,8 +268,7 @@ def _with_gyroscope(result: Calibration, logs: Sequence[WheelLog]) -> Calibratio
     return replace(result, measured_noise=noises, gyroscope=measured)
 
 
-def _slides(slipped: Sequence[slip.Slip], number: int) -> list[Stretch]:
-    """Stretches of slip of one log."""
+def _stretches_of_log(slipped: Sequence[slip.Slip], number: int) -> list[Stretch]:
     return [stretch for one in slipped if one.number == number for stretch in one.stretches]
 
 

@@ -177,7 +177,7 @@ def _agree(log: WheelLog, other: WheelLog, rows: NDArray[np.int64], offset: floa
     times = stamps + offset
     fastest = 0.0
     for mine, theirs in zip(log.wheel_angles.T, other.wheel_angles.T, strict=True):
-        error = mine[rows] - _at(other.stamps, theirs, times)
+        error = mine[rows] - _interpolated(other.stamps, theirs, times)
         error = error[np.isfinite(error)]
         if not len(error):
             continue
@@ -187,11 +187,11 @@ def _agree(log: WheelLog, other: WheelLog, rows: NDArray[np.int64], offset: floa
             return False
     if log.steering is not None and other.steering is not None:
         for mine, theirs in zip(log.steering.T, other.steering.T, strict=True):
-            error = np.abs(mine[rows] - _at(other.stamps, theirs, times))
+            error = np.abs(mine[rows] - _interpolated(other.stamps, theirs, times))
             if np.nanquantile(error, 0.9) > ANGLE if np.isfinite(error).any() else False:
                 return False
     if log.yaw_rate is not None and other.yaw_rate is not None:
-        error = np.abs(log.yaw_rate[rows] - _at(other.stamps, other.yaw_rate, times))
+        error = np.abs(log.yaw_rate[rows] - _interpolated(other.stamps, other.yaw_rate, times))
         return not np.isfinite(error).any() or float(np.nanmedian(error)) <= RATE
     if log.truth is not None and other.truth is not None:
         apart = np.abs(log.truth.at(stamps) - other.truth.at(times))
@@ -200,7 +200,7 @@ def _agree(log: WheelLog, other: WheelLog, rows: NDArray[np.int64], offset: floa
     return True
 
 
-def _at(stamps: Floats, column: Floats, times: Floats) -> Floats:
+def _interpolated(stamps: Floats, column: Floats, times: Floats) -> Floats:
     """A column at other times, NaN if it has no numbers."""
     there = np.isfinite(column)
     if not there.any():

@@ -165,7 +165,7 @@ def as_logs(source: Any, rover: Rover, options: LogOptions | None = None) -> lis
 
 def _as_log(source: Any, rover: Rover, options: LogOptions, number: int) -> WheelLog:
     if isinstance(source, WheelLog):
-        return _told(source, rover, options, number)
+        return _with_options(source, rover, options, number)
     if isinstance(source, str | os.PathLike):
         return read_log(source, rover, options)[0]
     if not is_table(source):
@@ -194,7 +194,7 @@ def _odometry_options(rover: Rover, options: LogOptions) -> dict[str, Any]:
     return given
 
 
-def _told(log: WheelLog, rover: Rover, options: LogOptions, number: int) -> WheelLog:
+def _with_options(log: WheelLog, rover: Rover, options: LogOptions, number: int) -> WheelLog:
     """A log in memory with what is said of it; readings that no rover has are refused."""
     given, stamps = _odometry_options(rover, options), log.stamps
     if options.stamp_unit is not None:

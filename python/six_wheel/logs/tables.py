@@ -79,23 +79,10 @@ def table_format(
 
 
 class Table(Closing):
-    """A table on disk. Opening it reads the headers and finds what a subclass wants among them.
+    """A table on disk: a .csv file (comma, semicolon or tab between cells; one header line) or a .parquet file.
 
-    Raises `TableError` if the file is no such table.
-
-    Parameters
-    ----------
-    path : Path
-        A .csv file (comma, semicolon or tab between cells; one header line) or a .parquet file.
-
-    Attributes
-    ----------
-    time_unit : Unit
-        Unit of the time column.
-    size : int
-        Bytes of a CSV file, rows of a Parquet file: what `position` counts up to.
-    warnings : list of str
-        Lines on readings that look wrong, but can be read.
+    Opening it reads the headers and finds what a subclass wants among them. Raises `TableError` if the file
+    is no such table.
     """
 
     text_stamps = False  # True if times may be written as clocks write them
@@ -104,7 +91,8 @@ class Table(Closing):
     def __init__(self, path: Path) -> None:
         self.path = path
         self.format = table_format(path, formats=self.formats)
-        self.warnings: list[str] = []
+        self.warnings: list[str] = []  # lines on readings that look wrong, but can be read
+        self.size: int  # bytes of a CSV file, rows of a Parquet file: what `position` counts up to
         self._handle: BinaryIO | None = None
         self._file: ColumnarFile | None = None
         self._rows_read = 0

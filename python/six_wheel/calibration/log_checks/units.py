@@ -63,11 +63,11 @@ def mistaken(problem: Problem, solution: Solution) -> list[str]:
     rover, drives = problem.model.nominal, problem.drives
     model = Model(rover, [])
     given = _misfit(model, drives)
-    readings = [*_readings(rover), *_truths()]
+    readings = [*_other_readings(rover), *_other_truths()]
     tried = [(_misfit(model, list(map(one.change, drives))) / one.grows, one) for one in readings]
     best = min(misfit for misfit, _ in tried)
     likely = [one for misfit, one in tried if misfit <= ALIKE * best]
-    left = _left(problem, solution)
+    left = _error_share(problem, solution)
     if left > STRANGE or at_bounds(problem, solution):
         by, misfit = _factor(model, drives)
         other = all(abs(math.log(by / listed)) > ANOTHER for listed, _ in FACTORS)
@@ -84,7 +84,7 @@ def mistaken(problem: Problem, solution: Solution) -> list[str]:
     return [f"the drives and their truth do not go together, {share} whatever the dimensions: {remedy}"]
 
 
-def _left(problem: Problem, solution: Solution) -> float:
+def _error_share(problem: Problem, solution: Solution) -> float:
     """Median error of usual windows after a fit, as a share of their length; 0 if all begin at the start."""
     some = problem.which < len(problem.lengths)
     errors = solution.errors[some] * (1.0, 1.0, size(problem.model.nominal))
@@ -141,8 +141,7 @@ def _seen(
     return change
 
 
-def _truths() -> Iterator[Reading]:
-    """Other ways to read a truth."""
+def _other_truths() -> Iterator[Reading]:
     degrees = "write deg into the header, or convert them"
     yield Reading("the headings of the truth are in degrees", degrees, _seen((1.0, 1.0, math.radians(1.0))))
     for unit, by in (("mm", 1e-3), ("cm", 1e-2)):
@@ -161,8 +160,7 @@ def _truths() -> Iterator[Reading]:
     yield Reading("x and y of the truth are exchanged", "exchange its columns", exchanged)
 
 
-def _readings(rover: Rover) -> Iterator[Reading]:
-    """Other ways to read the wheels and steering joints of a log."""
+def _other_readings(rover: Rover) -> Iterator[Reading]:
     for by, why in FACTORS:
         remedy = f"{why}; check ticks_per_turn and gear_ratio of the encoders, and the unit of the columns"
         yield Reading(f"the wheels turn {by:.3g} times as far", remedy, _turned(by))

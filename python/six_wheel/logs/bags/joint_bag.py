@@ -24,20 +24,10 @@ LONGEST_GAP = 500_000_000  # [ns] between two messages of a joint, across which 
 
 
 class JointBag(Bag):
-    """The joint states of a rover in a bag.
+    """The joint states of a rover in a bag: a folder with metadata.yaml, a .mcap or .db3 file.
 
-    Parameters
-    ----------
-    path : Path
-        A folder with metadata.yaml, a .mcap or .db3 file.
-    readings : {"angles", "speeds"}, optional
-        Kind to take of the wheels where both are there; angles by default.
-
-    Attributes
-    ----------
-    names : list of str
-        ``"steering NAME"`` and ``"wheel NAME"`` of what is in the bag.
-    readings : {"angles", "speeds"}
+    `readings` is the kind to take of the wheels where both are there; angles by default. `names` are
+    ``"steering NAME"`` and ``"wheel NAME"`` of what is in the bag.
     """
 
     def __init__(
@@ -50,12 +40,12 @@ class JointBag(Bag):
         self._joints |= {joint: f"steering {wheel}" for joint, wheel in rover.steering_joints.items()}
         self._turned = frozenset(rover.reversed_joints)
         try:
-            self.readings = self._look(rover, readings)
+            self.readings = self._find_joints(rover, readings)
         except BaseException:
             self.close()
             raise
 
-    def _look(self, rover: Rover, readings: Reading | None) -> Reading:
+    def _find_joints(self, rover: Rover, readings: Reading | None) -> Reading:
         """Reads ahead for the joints of the bag, and returns the kind of reading for the wheels."""
         kinds: dict[str, set[Reading]] = {}
         strangers: dict[str, None] = {}
