@@ -79,7 +79,7 @@ def table_format(
 
 
 class Table(Closing):
-    """A table on disk: a .csv file (comma, semicolon or tab between cells; one header line) or a .parquet file.
+    """A table on disk: a .parquet file, or a .csv file (comma, semicolon or tab; one header line).
 
     Opening it reads the headers and finds what a subclass wants among them. Raises `TableError` if the file
     is no such table.
