@@ -1,7 +1,7 @@
 """A joint log that has been opened: where its rows come from, and what they hold."""
 
 import contextlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NoReturn
@@ -10,10 +10,10 @@ import numpy as np
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.errors import TableError
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.bags.bag_files import is_bag
 from six_wheel.logs.ground_truth import TRUTH
-from six_wheel.logs.gyroscope.rates import upward
-from six_wheel.logs.gyroscope.sources import rate_table
+from six_wheel.logs.gyroscope.rates import Turning, about_z, upward
 from six_wheel.logs.headers.columns import Column, Unit
 from six_wheel.logs.headers.joint_columns import (
     JointColumns,
@@ -22,16 +22,18 @@ from six_wheel.logs.headers.joint_columns import (
     joint_columns,
     unsaid_units,
 )
-from six_wheel.logs.headers.rate_columns import RATES
+from six_wheel.logs.headers.rate_columns import RATES, rate_columns
+from six_wheel.logs.headers.time_columns import in_seconds, time_columns
 from six_wheel.logs.joint_totals import Encoders
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.plausibility.checks import ReadingChecks
 from six_wheel.logs.plausibility.proposals import Column as Label
 from six_wheel.logs.plausibility.proposals import ImplausibleReadingError, encoders
 from six_wheel.logs.plausibility.readings import Readings
-from six_wheel.logs.skip_bad_rows import Source, TolerantTable
+from six_wheel.logs.skip_bad_rows import Sieve, Source, TolerantTable
 
 CHUNK = 200_000  # rows
+READINGS = 65_536  # of a gyroscope at a time
 
 
 class JointSource:
@@ -101,6 +103,19 @@ class JointSource:
             max_gap=self.options.max_gap,
         )
 
+    def turning(self, origin: int) -> Turning | None:
+        """Rates of a gyroscope with stamps of its own, at rows that count from the second `origin`."""
+        return None if self.rates is None else Turning(self._readings(self.rates, origin))
+
+    def _readings(self, rates: Source, origin: int) -> Iterator[tuple[Floats, Floats]]:
+        """Stamps in the clock of the log and rates about the rover's z."""
+        keys, unit = self.options.gyroscope, rates.time_unit
+        for batch in Sieve(rates.findings, RATES, self.stated).pass_on(rates.batches(READINGS)):
+            values = about_z(batch.values, self.up)
+            there = np.isfinite(values)
+            stamps = in_seconds(batch.time[there], unit.scale, origin) - keys.get("time_offset", 0.0)
+            yield stamps, keys.get("scale", 1.0) * values[there]
+
     def close(self) -> None:
         """Close the file."""
         self._files.close()
@@ -126,7 +141,11 @@ class JointSource:
         self.counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
         self.has_rates = any(name in joints.columns for name in RATES)
         if self.has_rates and self.options.gyroscope.get("time_offset"):
-            rates = rate_table(self.path, columns, clock)
+
+            def find_rates(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:
+                return time_columns(headers, field_units, clock) | rate_columns(headers, field_units)
+
+            rates = TolerantTable(self.path, find_rates, columns, RATES)  # the same table again
             self.rates, self.has_rates = self._files.enter_context(rates), False
         return list(joints.silent)
 

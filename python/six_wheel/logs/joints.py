@@ -21,7 +21,6 @@ from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.bags.bag_files import Topics
 from six_wheel.logs.ground_truth import TRUTH, poses_of, read_truth
 from six_wheel.logs.gyroscope.rates import Turning, about_z, edges_of
-from six_wheel.logs.gyroscope.sources import readings_of
 from six_wheel.logs.headers.joint_columns import Reading
 from six_wheel.logs.headers.rate_columns import RATES
 from six_wheel.logs.headers.renamed import Columns
@@ -217,11 +216,7 @@ class JointLog(Closing):
         for batch in sieve.pass_on(self._source.rows.batches(chunk_rows)):
             if first:
                 self.origin = whole_second(batch.time[0], self._source.time_unit)
-                if (readings := self._source.rates) is not None:
-                    source, scale = self._source, readings.time_unit.scale
-                    seconds = partial(in_seconds, scale=scale, origin=self.origin)
-                    keys = source.options.gyroscope
-                    turning = Turning(readings_of(readings, source.stated, seconds, source.up, keys))
+                turning = self._source.turning(self.origin)
             first, rows = False, self._rows(batch)
             if turning is None:
                 yield rows

@@ -1,1 +1,1 @@
-"""A gyroscope in a log: `sources` reads it, `links` says how it is mounted, `rates` brings it to the rows."""
+"""A gyroscope in a log: `links` says how it is mounted, `rates` brings it to the rows."""

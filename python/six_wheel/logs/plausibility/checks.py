@@ -30,9 +30,9 @@ from six_wheel.logs.plausibility.motion import (
     impossible,
 )
 from six_wheel.logs.plausibility.proposals import (
+    AS_READ,
     Column,
     ImplausibleReadingError,
-    at_its_word,
     encoders,
     max_speed,
     number,
@@ -267,9 +267,7 @@ class ReadingChecks:
             if goes_to_and_fro(turned[:, place] * radii[place], longest):
                 what = f'"{column.header}" goes to and fro from row to row, farther than a wheel can'
                 guess = "readings of two rovers or of two logs in one table?"
-                raise ImplausibleReadingError(
-                    f"{what}: {guess} Make a file of each, or {at_its_word().option}"
-                )
+                raise ImplausibleReadingError(f"{what}: {guess} Make a file of each, or {AS_READ}")
 
     def _jumping(
         self, column: Column, found: Jumps, at: Sequence[int], steering: bool

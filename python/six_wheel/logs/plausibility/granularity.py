@@ -7,9 +7,9 @@ import numpy as np
 
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import (
+    AS_READ,
     Column,
     ImplausibleReadingError,
-    at_its_word,
     columns,
     encoders,
 )
@@ -50,7 +50,7 @@ def check_steps_of_turns(wheels: Floats, named: Sequence[Column], row: int, mapp
         guess = (
             f"{counts} of them are {turn:g}, and 2 pi is no whole number of them: {UNITS[turn]}, and not rad?"
         )
-        rest = f"{at_its_word().option} ({at_its_word().argument}) takes them as they are"
+        rest = f"{AS_READ} (plausibility=False) takes them as they are"
         raise ImplausibleReadingError(f"{what}: {guess} Give ", proposal, f"; {rest}")
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from six_wheel._core import Rover
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import (
+    AS_READ,
     Column,
     ImplausibleReadingError,
-    at_its_word,
     columns,
     encoders,
     stamp_unit,
@@ -133,13 +133,13 @@ def check_steering(
         what = (
             f'"{column.header}" is at {reach[number]:.4g} rad in row {at}, beyond the joint of {column.wheel}'
         )
-        rest = f"; {at_its_word().option} takes it as it is"
+        rest = f"; {AS_READ} takes it as it is"
         raise ImplausibleReadingError(f"{what}: degrees? Give ", proposal, rest)
     off, turned = (_off(rover, rates, angles) for angles in (steering, np.radians(steering)))
     if off > SHARP and turned < FLAT:
         names = ", ".join(f'"{column.header}"' for column in joints)
         what = "wheels would slip sideways at these angles in radians, and roll in degrees: give "
-        rest = f"; {at_its_word().option} takes them as they are"
+        rest = f"; {AS_READ} takes them as they are"
         raise ImplausibleReadingError(f"{names} from row {row} on: {what}", proposal, rest)
 
 
@@ -162,7 +162,7 @@ def _off(rover: Rover, rates: Floats, steering: Floats) -> float:
 def impossible(known: Readings, wheel: int, figure: str) -> ImplausibleReadingError:
     """The error for a wheel that does what none can; `figure` says what and in which row."""
     what = f'"{known.wheels[wheel].header}" {figure}'
-    rest = f"{at_its_word().option} ({at_its_word().argument}) takes them as they are"
+    rest = f"{AS_READ} (plausibility=False) takes them as they are"
     if known.kind in ("ticks", "increments"):
         guess = "are there as many counts in a turn, and are its stamps seconds?"
         by_turn = Option("--ticks-per-turn COUNTS")

@@ -7,6 +7,7 @@ from six_wheel.kinematics.errors import FileError
 from six_wheel.robot_description.doubts import Proposal
 
 FIRST = 3  # rows that are named
+AS_READ = "--no-plausibility"  # for readings that are what they seem to be, however odd
 
 
 class ImplausibleReadingError(FileError):
@@ -64,11 +65,6 @@ def max_speed(speed: float) -> Proposal:
     """The fastest rim of the rover [m/s]."""
     text = number(speed)
     return Proposal(f"odometry: {{max_speed: {text}}}", f"--max-speed {text}", f"max_speed={text}")
-
-
-def at_its_word() -> Proposal:
-    """Readings that are what they seem to be, however odd."""
-    return Proposal("plausibility: false", "--no-plausibility", "plausibility=False")
 
 
 def number(value: float) -> str:

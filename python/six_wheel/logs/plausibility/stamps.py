@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.kinematics.poses import Floats
-from six_wheel.logs.plausibility.proposals import ImplausibleReadingError, at_its_word, stamp_unit
+from six_wheel.logs.plausibility.proposals import AS_READ, ImplausibleReadingError, stamp_unit
 from six_wheel.robot_description.doubts import Proposal
 
 # A second later than this (the year 5138) is a count of something shorter.
@@ -247,5 +247,5 @@ def out_of_order(
         return ""
     what = f"time goes back in row {rows[late[0]]} and stays behind what it was"
     guess = "a clock that started anew, or several logs in one file?"
-    rest = f"{at_its_word().option} ({at_its_word().argument}) leaves out what is behind"
+    rest = f"{AS_READ} (plausibility=False) leaves out what is behind"
     return f"{what}: {guess} Make a file of each; {rest}"
