@@ -12,7 +12,7 @@ from six_wheel.control_loop.options import OPTIONS, Options
 from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.rover_edit import limits_given
 from six_wheel.logs.log_options import corrections, encoders_of
-from six_wheel.robot_description.gyroscope_errors import changed, with_readings_apart
+from six_wheel.robot_description.gyroscope_errors import with_readings_apart
 from six_wheel.robot_description.parameters import ros_yaml
 from six_wheel.robot_description.parameters.detect_format import section_of
 from six_wheel.robot_description.parameters.file import Parameters, parse_parameters
@@ -146,7 +146,7 @@ class Settings:
             readings, options["increments"] = "angles", True
         if self.listens and (gyroscope := given.known_gyroscope) is not None:
             if bias is not None:
-                gyroscope = changed(gyroscope, bias=bias[0], bias_noise=bias[1])
+                gyroscope = gyroscope.replace(bias=bias[0], bias_noise=bias[1])
             options["gyroscope"] = with_readings_apart(gyroscope, given.gyroscope.get("period"), apart)
         if given.wheel_encoders:
             _, scale = corrections(rover, given.wheel_encoders)

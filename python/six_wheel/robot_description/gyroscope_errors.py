@@ -1,17 +1,10 @@
 """Error model of a gyroscope for the rows of a log."""
 
 import math
-from typing import Any
 
 from six_wheel._core import Gyroscope
 
 ARGUMENTS = ("noise", "bias", "bias_noise", "bias_walk", "scale_noise")  # of `Gyroscope`
-
-
-def changed(known: Gyroscope, **others: float) -> Gyroscope:
-    """The same but for `others`."""
-    arguments: dict[str, Any] = {name: getattr(known, name) for name in ARGUMENTS}
-    return Gyroscope(**arguments | others)
 
 
 def with_readings_apart(known: Gyroscope, period: float | None, apart: float | None) -> Gyroscope:
@@ -19,4 +12,4 @@ def with_readings_apart(known: Gyroscope, period: float | None, apart: float | N
     longer, the less white noise."""
     if not (period and apart):
         return known
-    return changed(known, noise=known.noise * math.sqrt(period / apart))
+    return known.replace(noise=known.noise * math.sqrt(period / apart))

@@ -14,7 +14,7 @@ from scipy.linalg import LinAlgError, cholesky_banded, solveh_banded
 from scipy.optimize import minimize
 from scipy.special import chdtri
 
-from six_wheel._core import Gyroscope, Noise
+from six_wheel._core import Gyroscope
 from six_wheel.calibration.drives import RESTED, at_rest, known_rows
 from six_wheel.calibration.estimates import Estimate, likelihood_end, three_digits
 from six_wheel.calibration.noise import MeasuredNoise
@@ -132,10 +132,7 @@ def with_gyroscope(measured: MeasuredNoise, gyroscope: MeasuredGyroscope) -> Mea
     """The measured noise of slip with that of a gyroscope, whose bias counts as noise of the yaw rate."""
     known = gyroscope.known
     rate = three_digits(math.hypot(known.noise, known.bias_noise))
-    noise, beside = (
-        Noise(0.0, 0.0, slip=was.slip, side_slip=was.side_slip, yaw_rate=rate)
-        for was in (measured.noise, measured.beside)
-    )
+    noise, beside = (was.replace(yaw_rate=rate) for was in (measured.noise, measured.beside))
     return replace(measured, noise=noise, beside=beside, yaw_rate=gyroscope.noise, gyroscope=known)
 
 

@@ -27,13 +27,10 @@ def mecanum(values: Values) -> Rover:
     cos, sin = math.cos(theta), math.sin(theta)
     return Rover(
         [
-            Wheel(
-                wheel.name,
-                cos * (wheel.x - x) + sin * (wheel.y - y),
-                cos * (wheel.y - y) - sin * (wheel.x - x),
-                radius=wheel.radius,
+            wheel.replace(
+                x=cos * (wheel.x - x) + sin * (wheel.y - y),
+                y=cos * (wheel.y - y) - sin * (wheel.x - x),
                 heading=-theta,
-                roller_angle=wheel.roller_angle,
             )
             for wheel in at_middle.wheels
         ]
