@@ -63,12 +63,6 @@ def write_ground(run: GroundSimulation, suspension: RockerBogie, path: str | Pat
 
 def _columns(run: GroundSimulation, suspension: RockerBogie) -> dict[str, tuple[str, Any]]:
     """Name to unit and values, in the order of the table."""
-    assert run.stand is not None
-    assert run.slip is not None
-    assert run.wheel_speeds is not None
-    assert run.truth is not None
-    assert run.orientations is not None
-    assert run.angular_velocity is not None
     planar, stand = suspension.planar(), run.stand
     columns = reading_columns(run, planar)
     for (name, unit), values in zip(POSE, run.truth.poses.T, strict=True):
@@ -93,10 +87,6 @@ def _columns(run: GroundSimulation, suspension: RockerBogie) -> dict[str, tuple[
 
 
 def _write_bag(run: GroundSimulation, suspension: RockerBogie, path: Path) -> None:
-    assert run.stand is not None
-    assert run.truth is not None
-    assert run.orientations is not None
-    assert run.angular_velocity is not None
     planar, stand = suspension.planar(), run.stand
     columns = joint_columns(run, planar) | dict(zip(suspension.free_joints, stand.joints.T, strict=True))
     rows = np.stack(list(columns.values()), axis=-1)
@@ -118,7 +108,6 @@ def _write_bag(run: GroundSimulation, suspension: RockerBogie, path: Path) -> No
 
 def _wheel_transforms(turned: WheelLog, run: GroundSimulation, suspension: RockerBogie) -> dict[str, Floats]:
     """Place and quaternion in the body of every wheel, turned as far as it has rolled, row by row."""
-    assert run.stand is not None
     joints = np.nan_to_num(run.stand.joints)
     found = suspension.frames(joints, np.nan_to_num(run.stand.steering))
     transforms = {}

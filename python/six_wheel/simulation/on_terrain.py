@@ -4,7 +4,7 @@ from __future__ import annotations  # so that help shows the names of types, not
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -91,8 +91,9 @@ def simulate_on_ground(
     turned = np.concatenate((np.zeros((1, len(planar.wheels))), np.cumsum(turning * dt, axis=0)))
     yaw_rate = np.where(np.isnan(told.twist[:, 5]), moved.yaw_rate, told.twist[:, 5])
     motion = Motion(moved.stamps, moved.poses, moved.steering, turned, yaw_rate)
-    read = sensors.read(planar, _every(motion), random)
-    there = suspension.settle(ground, motion.poses[::FINER], motion.steering[::FINER])
+    sampled = Motion(*(getattr(motion, one.name)[::FINER] for one in fields(motion)))
+    read = sensors.read(planar, sampled, random)
+    there = suspension.settle(ground, sampled.poses, sampled.steering)
     twists, joint_rates = told.twist[::FINER], told.joint_rates[::FINER]
     ends = np.concatenate((turning[:1], turning, turning[-1:]))
     real = (ends[1:] + ends[:-1]) / 2.0  # at a row, the mean of the steps beside it
@@ -101,14 +102,16 @@ def simulate_on_ground(
         there, real[::FINER], np.where(known[:, None], twists, 0.0), np.nan_to_num(joint_rates)
     )
     spread = 0.0 if sensors.gyroscope is None else sensors.gyroscope.noise
+    space = np.stack((there.z, there.roll, there.pitch), axis=-1)
+    stamps, stands = read["stamps"], bool(np.isfinite(space).all())
     return GroundSimulation(
         **read,
         **named,
-        truth=GroundTruth(read["stamps"], motion.poses[::FINER], space=_space(there)),
+        truth=GroundTruth(stamps, sampled.poses, space=space if stands else None),
         motion=motion,
         stand=there,
         wheel_speeds=speeds[::FINER],
-        flat_wheel_speeds=planar.inverse(course.at(read["stamps"]), previous=motion.steering[::FINER])[1],
+        flat_wheel_speeds=planar.inverse(course.at(stamps), previous=sampled.steering)[1],
         twists=twists,
         joint_rates=joint_rates,
         slip=slid,
@@ -117,28 +120,10 @@ def simulate_on_ground(
     )
 
 
-def _space(stand: SettledPose) -> Floats | None:
-    """z, roll and pitch of a rover that stands in every row."""
-    rows = np.stack((stand.z, stand.roll, stand.pitch), axis=-1)
-    return rows if np.isfinite(rows).all() else None
-
-
 def _filled(speeds: Floats) -> Floats:
     """Speeds of the wheels; rows without a settled pose, which the status says, between those beside."""
     rows, known = np.arange(len(speeds)), ~np.isnan(speeds[:, 0])
     return np.stack([np.interp(rows, rows[known], column[known]) for column in speeds.T], axis=-1)
-
-
-def _every(motion: Motion) -> Motion:
-    """The rows at which sensors are read."""
-    rows = slice(None, None, FINER)
-    return Motion(
-        motion.stamps[rows],
-        motion.poses[rows],
-        motion.steering[rows],
-        motion.turned[rows],
-        motion.yaw_rate[rows],
-    )
 
 
 def _check(stand: SettledPose, moved: Motion) -> None:

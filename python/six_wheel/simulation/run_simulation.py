@@ -14,20 +14,12 @@ from numpy.typing import ArrayLike
 from six_wheel._core import Gyroscope, Limits, Noise, RockerBogie, Rover, Terrain, check_kind
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.keywords import checked
-from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.on_terrain import GroundSimulation, simulate_on_ground
-from six_wheel.simulation.planar import Motion, Simulation, Slip, drive, generator, step_of
+from six_wheel.simulation.planar import Simulation, Slip, drive, generator, step_of
 from six_wheel.simulation.sensor_model import Encoders, Sensors, sample_times
 from six_wheel.simulation.sticking import Stick, drive_stuck
-
-
-def _mean_rates(motion: Motion, stamps: Floats) -> Floats:
-    """Yaw rates as a gyroscope has them: means from halfway since the sample before to halfway on."""
-    edges = np.concatenate((stamps[:1], (stamps[1:] + stamps[:-1]) / 2.0, stamps[-1:]))
-    rates: Floats = np.diff(motion.at(edges).poses[:, 2]) / np.diff(edges)
-    return rates
 
 
 @overload
@@ -188,7 +180,10 @@ def simulate(
             noise=sensors.noise, slips=slips, step=step, start=first, random=random,
         )  # fmt: skip
     stamps = sample_times(motion.stamps[0], motion.stamps[-1], rate, jitter, dropped, random)
-    there = replace(motion.at(stamps), yaw_rate=_mean_rates(motion, stamps))
+    # A gyroscope has the mean from halfway since the sample before to halfway on.
+    edges = np.concatenate((stamps[:1], (stamps[1:] + stamps[:-1]) / 2.0, stamps[-1:]))
+    yaw_rate = np.diff(motion.at(edges).poses[:, 2]) / np.diff(edges)
+    there = replace(motion.at(stamps), yaw_rate=yaw_rate)
     read = sensors.read(rover, there, random)
     deviations = np.array(truth_noise)[[0, 0, 1]]
     poses = there.poses + deviations * random.standard_normal(there.poses.shape)

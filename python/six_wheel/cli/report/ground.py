@@ -7,10 +7,6 @@ from six_wheel.simulation.on_terrain import GroundSimulation
 
 def ground_facts(run: GroundSimulation) -> list[tuple[str, str]]:
     """Results of a drive: names and values, a row each."""
-    assert run.stand is not None
-    assert run.wheel_speeds is not None
-    assert run.flat_wheel_speeds is not None
-    assert run.slip is not None
     stand, flat = run.stand, run.flat_wheel_speeds
     statuses = np.asarray(stand.status).astype(str).tolist()
     tilt = np.degrees(np.arccos(np.cos(stand.roll) * np.cos(stand.pitch)))

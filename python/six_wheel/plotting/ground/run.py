@@ -21,7 +21,6 @@ FRAMES = 6  # of a film strip
 
 def _times(run: GroundSimulation, count: int) -> list[int]:
     """Rows evenly spaced in time at which the rover stands."""
-    assert run.stand is not None
     standing = np.flatnonzero(np.isfinite(np.atleast_1d(run.stand.z)))
     return [int(row) for row in standing[np.linspace(0, len(standing) - 1, count).astype(int)]]
 
@@ -68,8 +67,6 @@ def film_figure(run: GroundSimulation, suspension: RockerBogie, *, title: str = 
 
 def speeds_figure(run: GroundSimulation, suspension: RockerBogie, *, title: str = "") -> Figure:
     """Draw how fast the wheels turn, against what the same commands ask for on level ground."""
-    assert run.wheel_speeds is not None
-    assert run.flat_wheel_speeds is not None
     figure = Figure(figsize=(11, 6), layout="constrained")
     figure.suptitle(title, x=0.01, ha="left", color=INK)
     panels = figure.subplots(3, 2, sharex=True, sharey=True)
@@ -85,8 +82,6 @@ def speeds_figure(run: GroundSimulation, suspension: RockerBogie, *, title: str 
 
 
 def _draw_space(axes: Any, run: GroundSimulation, suspension: RockerBogie, ground: Terrain) -> None:
-    assert run.truth is not None
-    assert run.stand is not None
     poses, stand = run.truth.poses, run.stand
     low, high = poses[:, :2].min(axis=0) - MARGIN, poses[:, :2].max(axis=0) + MARGIN
     counts = np.maximum(2, np.ceil(FACETS * (high - low) / (high - low).max()).astype(int))
@@ -148,7 +143,6 @@ def _draw_rover(axes: Any, suspension: RockerBogie, stand: SettledPose, row: int
 
 
 def _draw_film(panels: list[Axes], run: GroundSimulation, suspension: RockerBogie) -> None:
-    assert run.stand is not None
     for axes, row in zip(panels, _times(run, len(panels)), strict=True):
         one = suspension.settle(run.stand.ground, run.stand.poses[row], run.stand.steering[row])
         draw_side_view(axes, suspension, one)

@@ -83,25 +83,17 @@ class ControlledDrive(Engine):
     the timeout of the controller is over and the stop done. Without a timeout the rover is told to stop one
     step after the last command.
 
+    Arguments and attributes beside these are those of `Engine`.
+
     Parameters
     ----------
-    rover : Rover
-        Any layout of wheels.
-    time_unit : Unit
-        Unit of the times to come.
     loop : DriveLoop
         The controller and its rate.
-    keep : str, optional
-        Part that `Rover.project` keeps of a twist that the rover cannot make; the controller is given that.
     block_rows : int
         Most rows in memory at a time.
 
     Attributes
     ----------
-    units : dict
-        Name to unit of the columns of the `blocks`, in order.
-    summary : Summary
-    trace : Trace
     course : Course
         Over time: commanded and limited twists, steering angles, their rates, wheel speeds.
     limits : Limits

@@ -18,21 +18,8 @@ from six_wheel.simulation.drive.run_commands import Engine, by_row
 class Drive(Engine):
     """A rover on its way through a table, doing at once what each row says.
 
-    Parameters
-    ----------
-    rover : Rover
-        Any layout of wheels.
-    time_unit : Unit
-        Unit of the times to come.
-    keep : str, optional
-        Part that `Rover.project` keeps of a twist that the rover cannot make; without it that is an error.
-
-    Attributes
-    ----------
-    units : dict
-        Name to unit of the columns that `advance` returns, in order.
-    summary : Summary
-    trace : Trace
+    Arguments and attributes are those of `Engine`; without `keep` a twist that the rover cannot make is an
+    error.
     """
 
     def __init__(self, rover: Rover, time_unit: Unit, keep: str | None = None) -> None:
