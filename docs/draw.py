@@ -32,7 +32,8 @@ from six_wheel import (
     reference,
 )
 from six_wheel.calibration.files import Calibrated, calibrate_files
-from six_wheel.cli.demo import drive_yard, figures
+from six_wheel.cli.demo import figures
+from six_wheel.cli.demo.ground import drive_yard
 from six_wheel.cli.demo.motion import ROVERS, drive_path, load_path
 from six_wheel.cli.report.calibration import before_and_after
 from six_wheel.log_odometry import ReckonSettings, reckon

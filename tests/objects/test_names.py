@@ -86,7 +86,7 @@ def test_no_result_has_an_old_name():
 
 
 def test_no_two_classes_share_a_name():
-    rooms = ("cli.demo", "control_loop", "log_odometry", "simulation.drive", "kinematics.odometry")
+    rooms = ("control_loop", "log_odometry", "simulation.drive", "kinematics.odometry")
     named: dict[str, set[int]] = {}
     for module in itertools.chain(
         [sw], (importlib.import_module(f"six_wheel.{room}") for room in (*MODULES[3:], *rooms))

@@ -49,7 +49,11 @@ def check(
     if chosen.warnings:
         print(*chosen.warnings, sep="\n", file=sys.stderr)
     if plot is not None:
-        draw_limits(chosen, plot)
+        from six_wheel.plotting.limits import limits_figure
+        from six_wheel.plotting.saving import picture_path, save
+
+        target = picture_path(plot)
+        save(limits_figure(chosen.rover, chosen.limits, title=chosen.name), target)
     console.print(plan(chosen.rover))
     console.print(wheels_table(chosen))
     if chosen.robot is not None:
@@ -162,7 +166,9 @@ def _written(value: Any) -> str:
 
 def abilities(chosen: NamedRover) -> list[tuple[str, object]]:
     """Abilities of a rover, as rows for `grid`."""
+    from six_wheel._core import Noise
     from six_wheel.robot_description.wheels_of_rover import joints_as_given
+    from six_wheel.simulation.drive.performance import defaults
 
     rover, parameters = chosen.rover, chosen.parameters
     steering, traction = joints_as_given(rover)
@@ -181,25 +187,26 @@ def abilities(chosen: NamedRover) -> list[tuple[str, object]]:
         rows += _described(chosen.robot)
     rows[2:2] = within(chosen.rover, chosen.limits)
     if parameters:
-        limits = str(parameters.limits).removeprefix("Limits(").removesuffix(")").replace("=", " ")
+        filled = [
+            f"{name} {value:.4g} ({SOURCES[name]})"
+            for name, value in defaults(rover, parameters.limits).items()
+        ]
         kind, controller = parameters.kind, parameters.controller
         rows += [
             ("kind", f"{kind}, as {controller} has it" if controller else kind),
             ("node", parameters.node),
             ("frames", f"{parameters.odom_frame_id} to {parameters.base_frame_id}"),
-            ("limits", limits or None),
-            *filled_in(rover, parameters.limits),
-            ("noise", _given(parameters.noise) or _guessed()),
+            ("limits", _in_words(parameters.limits)),
+            ("limits by default", ", ".join(filled) or None),
+            ("noise", _given(parameters.noise) or GUESSED.format(slip=Noise().slip)),
             *((group, _given(getattr(parameters, group))) for group in GROUPS),
         ]
     return rows
 
 
-def _guessed() -> str:
-    """Note on noise that nobody measured."""
-    from six_wheel._core import Noise
-
-    return GUESSED.format(slip=Noise().slip)
+def _in_words(limits: "Limits") -> str | None:
+    """The limits that were given; None if there are none."""
+    return str(limits).removeprefix("Limits(").removesuffix(")").replace("=", " ") or None
 
 
 def _described(robot: "Robot") -> list[tuple[str, object]]:
@@ -207,8 +214,8 @@ def _described(robot: "Robot") -> list[tuple[str, object]]:
     found = robot.suspension
     joints = "" if found is None else ", ".join(f"{what} {joint}" for what, joint in found.joints.items())
     model = "none" if found is None else f"rocker-bogie: {joints}"
-    limits = str(robot.limits).removeprefix("Limits(").removesuffix(")").replace("=", " ")
-    return [("base frame", robot.base_frame_id), ("suspension", model), ("rates of joints", limits or None)]
+    rates = ("rates of joints", _in_words(robot.limits))
+    return [("base frame", robot.base_frame_id), ("suspension", model), rates]
 
 
 def within(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
@@ -226,12 +233,10 @@ def within(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
     lock = time_to_full_lock(rover, limits)
     if lock is not None:
         rows.append(("time to full lock", f"{lock:.4g} s"))
-    stop = None if ahead is None else stop_from(rover, limits, ahead.twist)
-    if stop is not None:
-        rows.append(("stopping distance", f"{stop.distance:.4g} m in {stop.time:.3g} s from top speed"))
-    halt = None if ahead is None else halt_from(rover, limits, ahead.twist)
-    if halt is not None:
-        rows.append(("halt distance", f"{halt.distance:.4g} m in {halt.time:.3g} s from top speed"))
+    for name, come_to_rest in (("stopping distance", stop_from), ("halt distance", halt_from)):
+        stop = None if ahead is None else come_to_rest(rover, limits, ahead.twist)
+        if stop is not None:
+            rows.append((name, f"{stop.distance:.4g} m in {stop.time:.3g} s from top speed"))
     return rows
 
 
@@ -247,24 +252,6 @@ SOURCES = {
 """Sources of the defaults of the limits, by name."""
 
 
-def filled_in(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
-    """The limits that are defaults, as a row for `grid`."""
-    from six_wheel.simulation.drive.performance import defaults
-
-    found = defaults(rover, limits)
-    listed = ", ".join(f"{name} {value:.4g} ({SOURCES[name]})" for name, value in found.items())
-    return [("limits by default", listed or None)]
-
-
 def _words(bound: "Bound") -> str:
     """Names of the limits that keep a motion from being faster."""
     return " and ".join(str(reason.name).lower().replace("_", " ") for reason in bound.reasons) or "steering"
-
-
-def draw_limits(chosen: NamedRover, plot: Path) -> None:
-    """Write the picture of the limits."""
-    from six_wheel.plotting.limits import limits_figure
-    from six_wheel.plotting.saving import picture_path, save
-
-    target = picture_path(plot)
-    save(limits_figure(chosen.rover, chosen.limits, title=chosen.name), target)

@@ -1,5 +1,6 @@
 """`six-wheel show`: a rover from above, as it makes one motion; a map, its relief and slope."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,6 +19,8 @@ from six_wheel.robot_description.named_rover import NamedRover
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from six_wheel._core import RockerBogie
 
 Motion = tuple[float, float, float]
 ROVERS = (".urdf", ".xacro", ".xml", ".json", ".toml", "")  # files that are no maps unless an option says so
@@ -49,13 +52,20 @@ def show(
     map_reading: MapReading,
     reading: Reading,
 ) -> None:
-    is_drawn = not side and twist is None
-    if any(option is not None for option in map_reading) or (is_drawn and _is_map(Path(rover))):
-        print(_draw_map(Path(rover), map_reading, output))
+    is_drawn, path = not side and twist is None, Path(rover)
+    if any(option is not None for option in map_reading) or (is_drawn and _is_map(path)):
+        default, draw = f"{path.name.partition('.')[0]}_map.png", partial(_draw_map, path, map_reading)
     elif side:
-        print(_draw_side(rover, reading, output))
+        suspension, name = choose_suspension(rover, reading)
+        default, draw = f"{name}_from_the_side.png", partial(_draw_side, suspension, name)
     else:
-        print(_draw_above(rover, reading, output, twist))
+        chosen = choose(rover, reading)
+        default, draw = f"{chosen.name}_from_above.png", partial(_draw_above, chosen, twist)
+    from six_wheel.plotting.saving import picture_path, save
+
+    target = picture_path(output or Path(default))
+    save(draw(), target)
+    print(target.resolve())
 
 
 def _is_map(path: Path) -> bool:
@@ -70,16 +80,14 @@ def _is_map(path: Path) -> bool:
     return path.is_dir() or path.suffix.lower() not in ROVERS
 
 
-def _draw_map(path: Path, reading: MapReading, output: Path | None) -> Path:
-    """Draw a map, with what it seems to be on the console; where the picture is."""
+def _draw_map(path: Path, reading: MapReading) -> "Figure":
+    """A map, with what it seems to be on the console."""
     import warnings
 
     from six_wheel.cli.report.map import map_facts
     from six_wheel.maps.reading import describe, read_with
     from six_wheel.plotting.ground.map import map_figure
-    from six_wheel.plotting.saving import picture_path
 
-    target = picture_path(output or Path(f"{path.name.partition('.')[0]}_map.png"))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         ground = read_with(path, reading.options())
@@ -88,38 +96,28 @@ def _draw_map(path: Path, reading: MapReading, output: Path | None) -> Path:
         warnings.simplefilter("ignore")
         facts = map_facts(ground, describe(path, reading.options()))
     new_console().print(grid(facts))
-    return _save(map_figure(ground, title=path.name, facts=facts), target)
+    return map_figure(ground, title=path.name, facts=facts)
 
 
-def _draw_side(rover: str, reading: Reading, output: Path | None) -> Path:
-    """Draw a suspension from the side; where the picture is."""
+def _draw_side(suspension: "RockerBogie", name: str) -> "Figure":
     from six_wheel.plotting.ground.side import side_figure
-    from six_wheel.plotting.saving import picture_path
 
-    suspension, name = choose_suspension(rover, reading)
-    target = picture_path(output or Path(f"{name}_from_the_side.png"))
-    return _save(side_figure(suspension, title=name), target)
+    return side_figure(suspension, title=name)
 
 
-def _draw_above(rover: str, reading: Reading, output: Path | None, twist: Motion | None) -> Path:
-    """Draw a rover as it makes a motion; where the picture is."""
-    from six_wheel.plotting.saving import picture_path
-
-    chosen = choose(rover, reading)
+def _draw_above(chosen: NamedRover, twist: Motion | None) -> "Figure":
+    """A rover as it makes a motion, with a warning of each limit of its file that the motion exceeds."""
     from six_wheel.plotting.twist import show_figure
 
-    target = picture_path(output or Path(f"{chosen.name}_from_above.png"))
     if twist is not None:
-        warn(_past(chosen, twist))
-    figure = show_figure(chosen.rover, twist or left_turn(chosen), title=chosen.name)
-    return _save(figure, target)
-
-
-def _save(figure: "Figure", target: Path) -> Path:
-    from six_wheel.plotting.saving import save
-
-    save(figure, target)
-    return target.resolve()
+        warn(
+            [
+                f"{name} is {value:.4g} {unit}, {limit:g} allowed"
+                for name, value, limit, unit in _demands(chosen, twist)
+                if value > limit * (1.0 + 1e-9)
+            ]
+        )
+    return show_figure(chosen.rover, twist or left_turn(chosen), title=chosen.name)
 
 
 def left_turn(chosen: NamedRover) -> Motion:
@@ -132,15 +130,6 @@ def left_turn(chosen: NamedRover) -> Motion:
     share = min([1.0, *(limit / value for _, value, limit, _ in demands if value > 0.0)])
     vx, vy, omega = (share * turn).tolist()
     return vx, vy, omega
-
-
-def _past(chosen: NamedRover, motion: Motion) -> list[str]:
-    """Demands of a motion that exceed the limits of the file."""
-    return [
-        f"{name} is {value:.4g} {unit}, {limit:g} allowed"
-        for name, value, limit, unit in _demands(chosen, motion)
-        if value > limit * (1.0 + 1e-9)
-    ]
 
 
 def _demands(chosen: NamedRover, motion: tuple[float, ...]) -> list[tuple[str, float, float, str]]:

@@ -200,7 +200,6 @@ def _on_a_plane(
         control=said.control if said is not None else None,
         **encoders,
     )
-    assert done.truth is not None
     if output is not None:
         write_log(done, chosen.rover, output)
     if plot is not None:

@@ -1,7 +1,7 @@
 """Results of dead reckoning in words: for the console, and as a written report."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from six_wheel.cli.report.markdown import picture, table
 from six_wheel.kinematics.odometry.tracks import ROUNDING, SILENT
@@ -53,31 +53,28 @@ def slipped(result: Reckoned) -> Rows:
             f"(row {worst.worst_row}), more than any other {100 * worst.worst_share:.0f} % of the time",
         )
     ]
-    windows = sorted(slip.windows, key=lambda window: -window.distance)[:WINDOWS]
-    lines = [
+    windows = {
         f"{window.wheel}, {window.start:.6g} s to {window.end:.6g} s (rows {window.first_row} to "
-        f"{window.last_row}): {1e3 * window.distance:.3g} mm"
-        for window in windows
-    ]
-    more = len(slip.windows) - len(windows)
-    if more > 0:
-        lines.append(f"and {more} more")
-    return [
-        *rows,
-        ("slip", "\n".join(lines) if lines else "no stretch in which a wheel slipped"),
-        *_lost(result),
-    ]
+        f"{window.last_row})": window.distance
+        for window in slip.windows
+    }
+    return [*rows, ("slip", _longest(windows) or "no stretch in which a wheel slipped"), *_lost(result)]
+
+
+def _longest(stretches: Mapping[str, float]) -> str:
+    """A line for each of the longest stretches by how far a wheel slid in them [m]; empty without any."""
+    longest = sorted(stretches.items(), key=lambda one: -one[1])[:WINDOWS]
+    lines = [f"{name}: {1e3 * distance:.3g} mm" for name, distance in longest]
+    more = len(stretches) - len(longest)
+    return "\n".join([*lines, f"and {more} more"] if more else lines)
 
 
 def _lost(result: Reckoned) -> Rows:
     """Stretches in which the truth moved otherwise than the wheels said; nothing without a truth."""
     if result.evaluation is None:
         return []
-    longest = sorted(result.lost, key=lambda one: -one.distance)[:WINDOWS]
-    lines = [f"{one}: {1e3 * one.distance:.3g} mm" for one in longest]
-    if (more := len(result.lost) - len(longest)) > 0:
-        lines.append(f"and {more} more")
-    return [("slip by the truth", "\n".join(lines) if lines else "no stretch")]
+    stretches = {str(one): one.distance for one in result.lost}
+    return [("slip by the truth", _longest(stretches) or "no stretch")]
 
 
 def judged(evaluation: Evaluation | None) -> Rows:
