@@ -29,23 +29,21 @@ def start_state(
     scrub: Mapping[str, float] | None = None,
 ) -> State:
     """The first positions of the sliders: a left turn, or what is given; arguments as of `six_wheel.view`."""
-    first = triple("twist", twist)
-    if first is None:
+    if twist is None:
         rim = subject.wheel_speed * subject.radius / 2.0
         size = max(max(abs(wheel.x), abs(wheel.y)) for wheel in subject.rover.wheels)
         turn = subject.rover.project((rim, 0.0, rim / max(2.5 * size, 1.2 * subject.rover.min_radius)))
-        first = (float(turn[0]), float(turn[1]), float(turn[2]))
-    angles = triple("joints", joints)
-    if angles is not None and (subject.suspension is None or subject.ground is not None or subject.record):
+        twist = turn.tolist()
+    if joints is not None and (subject.suspension is None or subject.ground is not None or subject.record):
         raise ValueError(f"joints must be left out unless a suspension is shown without ground, got {joints}")
     return State(
-        first,
+        triple("twist", twist),
         subject.steering_limit if steering_limit is None else _steering_limit(subject, steering_limit),
         subject.wheel_speed if wheel_speed is None else _positive("wheel_speed", wheel_speed),
         subject.limits.speed if speed is None else _positive("speed", speed),
         TILT if tilt is None else _positive("tilt", tilt),
         subject.start,
-        (0.0, 0.0, 0.0) if angles is None else angles,
+        (0.0, 0.0, 0.0) if joints is None else triple("joints", joints),
         scrub=None if scrub is None else _scrub(subject, scrub),
     )
 

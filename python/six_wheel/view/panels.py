@@ -5,6 +5,7 @@ from __future__ import annotations  # viser is loaded when panels are made
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -60,7 +61,10 @@ class Panels:
             self._add_motion(state)
         self._add_limits(state)
         self._add_rover(state)
-        self._add_numbers()
+        with self._gui.add_folder("Wheels", expand_by_default=False):
+            self._numbers = self._gui.add_html("")
+        with self._gui.add_folder("Say this", expand_by_default=False):
+            self._say = self._gui.add_html("")
         self._add_show()
 
     def state(self, before: State) -> State:
@@ -100,32 +104,21 @@ class Panels:
             for slider, value in zip(self._place, (pose[0], pose[1], math.degrees(yaw)), strict=True):
                 self._set(slider, value)
 
-    def report(self, motion: Motion, time: float | None = None, full: bool = True) -> None:
+    def report(self, motion: Motion, time: float | None = None) -> None:
         """Write what came of the state."""
         subject, state = self._subject, motion.state
         self.status.content = status(subject, motion)
-        if not full:
-            return
         self._numbers.content = numbers(subject, motion)
         shown = command_line(subject, state, time), python_lines(subject, state, time)
         self._say.content = lines_to_say(*shown)
         if subject.record is not None:
             return
-        key = (
-            state.twist,
-            tuple(motion.twist),
-            state.steering_limit,
-            state.scrub,
-            state.limits(subject),
-            self._plane.value,
-        )
+        limits, plane = state.limits(subject), self._plane.value
+        key = (state.twist, tuple(motion.twist), state.steering_limit, state.scrub, limits, plane)
         if key != self._mapped:
             self._mapped = key
-            rover = state.rover(subject)
-            commanded = np.array(state.twist)
-            self._map.image = possible_image(
-                rover, state.limits(subject), commanded, motion.twist, self._spans, self._plane.value
-            )
+            twists = np.array(state.twist), motion.twist
+            self._map.image = possible_image(state.rover(subject), limits, *twists, self._spans, plane)
 
     def fail(self, error: Exception) -> None:
         """Write what went wrong where the state is written."""
@@ -297,12 +290,6 @@ class Panels:
                     self._slider(f"{name} [°]", -30.0, 30.0, math.degrees(value), 1) for name, value in named
                 ]
 
-    def _add_numbers(self) -> None:
-        with self._gui.add_folder("Wheels", expand_by_default=False):
-            self._numbers = self._gui.add_html("")
-        with self._gui.add_folder("Say this", expand_by_default=False):
-            self._say = self._gui.add_html("")
-
     def _add_show(self) -> None:
         gui = self._gui
         with gui.add_folder("Show", expand_by_default=False):
@@ -312,16 +299,10 @@ class Panels:
             self._watch(box)
         cameras = gui.add_button_group("Camera", tuple(CAMERAS))
 
-        def choose(event: Any) -> None:
+        def look(event: Any, name: str = "") -> None:
             if event.client is not None:
-                self._look(event.client, str(cameras.value))
+                self._look(event.client, name or str(cameras.value))
 
-        cameras.on_click(choose)
-
+        cameras.on_click(look)
         for key, name in zip("1234", CAMERAS, strict=True):
-
-            def look(event: Any, name: str = name) -> None:
-                if event.client is not None:
-                    self._look(event.client, name)
-
-            gui.add_command(f"Camera: {name}", hotkey=key).on_trigger(look)
+            gui.add_command(f"Camera: {name}", hotkey=key).on_trigger(partial(look, name=name))

@@ -75,21 +75,19 @@ class Player:
 
     def state(self, before: State) -> State:
         """The state of the rover at this time."""
-        record, row = self._record, self._record.row(self.time)
-        poses = record.poses[row]
-        rover, count = self._subject.rover, len(self._subject.rover.wheels)
-        twist = record.twists[row] if record.twists is not None else np.zeros(3)
-        twist = np.nan_to_num(twist)
-        steering = record.steering[row] if record.steering is not None else None
-        speeds = record.wheel_speeds[row] if record.wheel_speeds is not None else None
-        if steering is None or not np.isfinite(steering).all():
-            steering = np.zeros(len(rover.steered_wheel_names))
-        speeds = np.zeros(count) if speeds is None else np.nan_to_num(speeds)
+        record, row, rover = self._record, self._record.row(self.time), self._subject.rover
+
+        def known(values: Floats | None, count: int) -> Any:
+            return (0.0,) * count if values is None else tuple(np.nan_to_num(values[row]).tolist())
+
+        steering = record.steering
+        if steering is not None and not np.isfinite(steering[row]).all():
+            steering = None
         rolled = () if record.rolled is None else tuple(record.rolled[row].tolist())
-        x, y, yaw = np.nan_to_num(poses).tolist()
         return replace(
-            before, twist=tuple(twist.tolist()), pose=(x, y, yaw), steering=tuple(steering.tolist()),
-            wheel_speeds=tuple(speeds.tolist()), rolled=rolled,
+            before, twist=known(record.twists, 3), pose=known(record.poses, 3), rolled=rolled,
+            steering=known(steering, len(rover.steered_wheel_names)),
+            wheel_speeds=known(record.wheel_speeds, len(rover.wheels)),
         )  # fmt: skip
 
     def show(self, motion: Motion, full: bool) -> None:
@@ -141,11 +139,12 @@ class Player:
 
     def _add_plots(self) -> None:
         record, rover = self._record, self._subject.rover
+        motion = None if record.twists is None else record.twists[:, [0, 2]]
         columns: list[tuple[str, Floats | None, tuple[str, ...]]] = [
             ("wheel speeds [rad/s]", record.wheel_speeds, rover.wheel_names),
             ("steering [rad]", record.steering, rover.steered_wheel_names),
             ("sliding [m/s]", record.slips, rover.wheel_names),
-            ("vx [m/s], yaw rate [rad/s]", _part(record.twists), ("vx", "omega")),
+            ("vx [m/s], yaw rate [rad/s]", motion, ("vx", "omega")),
         ]
         _, _, self._begins, self._found = thin_columns(
             record.times, np.zeros((len(record.times), 1)), record.reasons
@@ -210,10 +209,6 @@ class Player:
         circle = np.stack([np.cos(t), np.sin(t)], axis=-1) * SIGMAS * np.sqrt(np.maximum(values, 0.0))
         points = self._placed(np.nan_to_num(self._record.poses[row, :2]) + circle @ axes.T)
         return np.stack([points[:-1], points[1:]], axis=1).astype(np.float32)
-
-
-def _part(twists: Floats | None) -> Floats | None:
-    return None if twists is None else twists[:, [0, 2]]
 
 
 def _with_cursor(times: Floats, columns: Floats, now: float) -> tuple[Floats, ...]:

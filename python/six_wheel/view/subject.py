@@ -153,8 +153,8 @@ def find_subject(
         given = ground if isinstance(ground, str) else None
         found = replace(found, ground=made, ground_given=given)
     start = found.start
-    if (given_start := triple("at", at)) is not None:
-        start = given_start
+    if at is not None:
+        start = triple("at", at)
     elif found.record is not None:
         start = tuple(np.nan_to_num(found.record.poses[0]).tolist())
     elif found.ground is not None:
@@ -228,10 +228,8 @@ def known_suspension(rover: Rover) -> RockerBogie | None:
     return None
 
 
-def triple(name: str, values: Any) -> tuple[float, float, float] | None:
+def triple(name: str, values: Any) -> tuple[float, float, float]:
     """Three finite numbers."""
-    if values is None:
-        return None
     try:
         found = tuple(float(value) for value in values)
     except (TypeError, ValueError):

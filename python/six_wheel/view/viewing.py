@@ -104,9 +104,7 @@ class View(Closing):
     def twist(self, twist: Any) -> None:
         if self._player is not None:
             raise ValueError("twist must be left alone of a record, which has its own")
-        given = triple("twist", twist)
-        assert given is not None
-        self._panels.set_twist(given)
+        self._panels.set_twist(triple("twist", twist))
         self._compute()
 
     @property
@@ -117,7 +115,6 @@ class View(Closing):
     @pose.setter
     def pose(self, pose: Any) -> None:
         given = triple("pose", pose)
-        assert given is not None
         if self._player is not None:
             raise ValueError("pose must be left alone of a record, which has its own; time moves it")
         self._panels.set_pose(given)

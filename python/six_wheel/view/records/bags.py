@@ -51,7 +51,8 @@ def read_bag(path: Path, owner: Rover | None) -> Record:
         steering, speeds = _read(rover, readings, stamps)
     reasons = None
     if any(run.reasons):
-        bits = np.array([_bits(text) for text in run.reasons], np.uint32)
+        names = [[Reason[name] for name in text.split("|") if name] for text in run.reasons]
+        bits = np.array([sum(map(int, each)) for each in names], np.uint32)
         reasons = bits[_latest(run.times, stamps)]
     known = None
     if len(truth) > 1:
@@ -105,8 +106,3 @@ def _read(
     speeds = np.gradient(angles, np.maximum.accumulate(times) / 1e9, axis=0)
     at = _latest(times, stamps)
     return (steering[at] if rover.steered_wheel_names else None), np.nan_to_num(speeds[at])
-
-
-def _bits(names: str) -> int:
-    """Reasons of their names, joined by ``|``."""
-    return sum(int(Reason[name]) for name in names.split("|") if name)

@@ -13,7 +13,7 @@ from six_wheel.kinematics.odometry import Track
 from six_wheel.kinematics.odometry.tracks3 import Track3
 from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry import dead_reckon
-from six_wheel.logs.recordings import WheelLog
+from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.robot_description.missing_files import no_file
 from six_wheel.view.records.record import Record
 from six_wheel.view.records.tables import read_table
@@ -65,15 +65,12 @@ def _of_track(track: Track, name: str, log: WheelLog | None = None) -> Record:
         speeds = (
             np.gradient(log.wheel_angles, np.maximum.accumulate(log.stamps), axis=0) if len(log) > 1 else None
         )
-        truth = None if log.truth is None else _shifted(log.truth, float(log.stamps[0]))
+        if log.truth is not None:
+            truth = GroundTruth(log.truth.stamps - log.stamps[0], log.truth.poses, log.truth.max_gap)
     return Record(
         track.rover, name, _since(track.stamps), track.poses, steering, speeds, track.residuals, track.twists,
         covariances=covariances, truth=truth,
     )  # fmt: skip
-
-
-def _shifted(truth: Any, first: float) -> Any:
-    return type(truth)(truth.stamps - first, truth.poses, truth.max_gap)
 
 
 def _of_track3(track: Track3) -> Record:

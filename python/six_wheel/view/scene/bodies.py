@@ -59,8 +59,13 @@ class Bodies:
             if motion.frames:
                 self._add_links(motion)
             self._add_body(motion)
+        steered = [k for k, wheel in enumerate(subject.rover.wheels) if wheel.steered]
+        look = {"color": PALE, "opacity": 0.85, "cast_shadow": False, "receive_shadow": False}
         self._fans = {
-            k: self._fan(k, motion) for k, wheel in enumerate(subject.rover.wheels) if wheel.steered
+            k: shapes.add_mesh(
+                server.scene, f"{ROOT}/fan_{k}", self._arc(k, motion.state.steering_limit), **look
+            )
+            for k in steered
         }
 
     def show(self, motion: Motion) -> None:
@@ -82,7 +87,9 @@ class Bodies:
         for name, pose, wxyz in zip(wanted, stacked, quaternions(stacked[:, :3, :3]), strict=True):
             self._frames[name].position, self._frames[name].wxyz = pose[:3, 3], wxyz
         for number, fan in self._fans.items():
-            self._move(fan, self._lowered(motion.straight[number], number))
+            frame = motion.straight[number]
+            lift = 0.1 * self._subject.rover.wheels[number].radius  # there it is seen from all around
+            fan.position, fan.wxyz = frame[:3, 3] + lift * frame[:3, 2], quaternions(frame[:3, :3])
 
     def set_steering_limit(self, limit: float | None) -> None:
         """Draw the fans as wide as the steering ranges with this limit are."""
@@ -186,26 +193,9 @@ class Bodies:
             (eye, (x + 0.27 * radius, y + 0.28 * radius, top + 0.2 * radius), BLACK),
         ]
 
-    def _fan(self, number: int, motion: Motion) -> Any:
-        mesh = self._arc(number, motion.state.steering_limit)
-        return shapes.add_mesh(
-            self._scene, f"{ROOT}/fan_{number}", mesh,
-            color=PALE, opacity=0.85, cast_shadow=False, receive_shadow=False,
-        )  # fmt: skip
-
     def _arc(self, number: int, limit: float | None) -> shapes.Mesh:
         wheel = self._subject.rover.wheels[number]
         low, high = wheel.steering_range or (-np.pi / 2, np.pi / 2)
         limit = np.pi if limit is None else limit
         low, high = max(low, -limit), min(high, limit)
         return shapes.arc(FAN * wheel.radius, low, high, 0.16 * wheel.radius)
-
-    def _lowered(self, frame: Floats, number: int) -> Floats:
-        """A frame at the height at which the fan is seen from all around."""
-        lowered = frame.copy()
-        lowered[:3, 3] += 0.1 * self._subject.rover.wheels[number].radius * frame[:3, 2]
-        return lowered
-
-    @staticmethod
-    def _move(node: Any, transform: Floats) -> None:
-        node.position, node.wxyz = transform[:3, 3], quaternions(transform[:3, :3])

@@ -93,7 +93,7 @@ class Block:
 
     def show(self, pose: tuple[float, float, float], coloring: str) -> None:
         """Have the block around a pose."""
-        if self._subject.ground is None:
+        if (ground := self._subject.ground) is None:
             return
         centre = np.array(pose[:2])
         heading = round(pose[2], 1) if coloring == "feasible" else 0.0
@@ -102,17 +102,18 @@ class Block:
             if np.abs(centre - middle).max() < MOVES * self.width and rest == [coloring, heading]:
                 return
         self._shown = (centre, coloring, heading)
-        self._make(centre, coloring, pose[2])
+        self._make(ground, centre, coloring, pose[2])
 
-    def _make(self, centre: Floats, coloring: str, yaw: float) -> None:
-        points, spacing = cut(self._subject.ground, centre, self.width)  # type: ignore[arg-type]
+    def _make(self, ground: Terrain, centre: Floats, coloring: str, yaw: float) -> None:
+        points, spacing = cut(ground, centre, self.width)
         painted = colors(self._subject, points, spacing, coloring, yaw).reshape(-1, 3)
         origin = np.array([*centre, self._subject.origin[2]])
         place = tuple(origin - self._subject.origin)
         top = Mesh(np.nan_to_num(points - origin).reshape(-1, 3), triangles(points))
         if not len(top.faces):
             return
-        normals = np.nan_to_num(np.asarray(self._normals(points)), nan=0.0).reshape(-1, 3)
+        places = np.ascontiguousarray(points[..., :2])
+        normals = np.nan_to_num(ground.normal_at(places), nan=0.0).reshape(-1, 3)
         normals[~normals.any(axis=1)] = (0.0, 0.0, 1.0)
         walls = self._sides(points - origin)
         scene = self._server.scene
@@ -124,11 +125,6 @@ class Block:
                 scene, "/world/ground/sides", walls,
                 color=(84, 54, 44), flat_shading=True, side="double", cast_shadow=False, position=place,
             )  # fmt: skip
-
-    def _normals(self, points: Floats) -> Floats:
-        ground = self._subject.ground
-        assert ground is not None
-        return ground.normal_at(np.ascontiguousarray(points[..., :2]))
 
     def _sides(self, points: Floats) -> Mesh:
         """Walls from the edges down to a common bottom."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations  # trimesh is loaded for a mesh
 
-import math
 from typing import TypeAlias
 from xml.etree import ElementTree
 
@@ -119,24 +118,14 @@ def _shape(shape: ElementTree.Element, tree: Tree, link: str, notes: Notes) -> M
             radius = number(element.get("radius", ""), f"the radius in {link}", element, notes)
             return shapes.cylinder((0.0, 0.0, -half), (0.0, 0.0, half), radius, RING) if half > 0.0 else None
         if element.tag == "sphere":
-            return _sphere(number(element.get("radius", ""), f"the radius in {link}", element, notes))
+            import trimesh
+
+            radius = number(element.get("radius", ""), f"the radius in {link}", element, notes)
+            ball = trimesh.creation.uv_sphere(radius, count=[RING // 2, RING])
+            return Mesh(np.array(ball.vertices), np.array(ball.faces))
         if element.tag == "mesh":
             return _mesh(element, tree, link, notes)
     return None
-
-
-def _sphere(radius: float) -> Mesh:
-    t, p = np.linspace(0.0, math.tau, RING + 1), np.linspace(0.0, math.pi, RING // 2 + 1)
-    around, down = np.meshgrid(t, p)
-    points = radius * np.stack(
-        [np.sin(down) * np.cos(around), np.sin(down) * np.sin(around), np.cos(down)], -1
-    )
-    i, k = np.meshgrid(np.arange(len(p) - 1), np.arange(len(t) - 1), indexing="ij")
-    a = (i * len(t) + k).ravel()
-    faces = np.concatenate(
-        [np.stack([a, a + len(t), a + 1], 1), np.stack([a + 1, a + len(t), a + len(t) + 1], 1)]
-    )
-    return Mesh(points.reshape(-1, 3), faces)
 
 
 def _mesh(element: ElementTree.Element, tree: Tree, link: str, notes: Notes) -> Mesh | None:
