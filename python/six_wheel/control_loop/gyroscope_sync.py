@@ -12,10 +12,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
+from six_wheel.control_loop.clock import SECOND
 from six_wheel.control_loop.joints import Readings
 from six_wheel.logs.gyroscope.rates import Passing, upward
 
-SECOND = 1_000_000_000  # [ns]
 FIRST_LOOK = SECOND // 10  # [ns] over which the interval of joint readings is measured
 MOST = 1 << 14  # readings of a gyroscope that are kept for wheels that are silent
 

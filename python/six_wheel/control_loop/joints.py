@@ -49,9 +49,8 @@ class JointReader:
         needed = [*self._joints[: self._steered], *rover.traction_joints]
         self._needed = [self._joints.index(joint) for joint in needed]
         self._place = {joint: k for k, joint in enumerate(self._joints)}
-        self._values = [math.nan] * len(self._joints)
-        self._fresh = [False] * len(self._joints)
-        self._last: list[int | None] = [None] * len(self._joints)
+        self._last: list[int | None] = []
+        self.forget()
         self._names: list[str] = []
         self._columns: list[tuple[int, int]] = []
         self._strangers: dict[str, None] = {}
@@ -77,12 +76,8 @@ class JointReader:
             group = positions if place < self._steered else wheels
             if column >= len(group):
                 what = "velocity" if group is velocities and place >= self._steered else "position"
-                self._faults.add(
-                    "joints",
-                    ERROR,
-                    f"joint {self._joints[place]} must have a {what}",
-                    f"{len(group)} of them",
-                )
+                rule = f"joint {self._joints[place]} must have a {what}"
+                self._faults.add("joints", ERROR, rule, f"{len(group)} of them")
                 continue
             value = group[column]
             if not math.isfinite(value):

@@ -3,8 +3,9 @@
 from collections.abc import Callable, Sequence
 
 from six_wheel._core import OdometryState
+from six_wheel.control_loop.clock import SECOND
 from six_wheel.control_loop.faults import ERROR, WARN, Faults
-from six_wheel.control_loop.gyroscope_sync import SECOND, Row, Rows
+from six_wheel.control_loop.gyroscope_sync import Row, Rows
 from six_wheel.control_loop.joints import Numbers, Readings
 from six_wheel.control_loop.settings import Settings
 from six_wheel.kinematics.odometry.tracks import OdometryHealth
@@ -163,14 +164,11 @@ class Odometer:
     def _say_health(self, health: OdometryHealth) -> None:
         for each in health:
             if each is not OdometryHealth.FIRST:
-                level = (
-                    WARN
-                    if each in (OdometryHealth.GAP, OdometryHealth.WRAPPED, OdometryHealth.SLIP)
-                    else ERROR
-                )
+                level = WARN if each & COUNTED else ERROR
                 self._faults.add("odometry", level, f"{each.name}: {HEALTH[each]}")
 
 
+COUNTED = OdometryHealth.GAP | OdometryHealth.WRAPPED | OdometryHealth.SLIP
 HEALTH = {
     OdometryHealth.GAP: "a gap between readings, counted as one arc",
     OdometryHealth.WRAPPED: "a counter started over",

@@ -115,8 +115,7 @@ def _chunks(rows: Iterator[list[float]]) -> Iterator[Chunk]:
 
 def _collect(record: Record, settings: Settings) -> Collected:
     """Commands and odometry of a record."""
-    rover = settings.rover
-    collected = Collected(len(rover.steering_joints), len(rover.traction_joints))
+    collected = Collected(settings.rover)
     for message in record.messages(OUT):
         collected.read(record, message)
     return collected

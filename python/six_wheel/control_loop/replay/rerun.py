@@ -96,10 +96,9 @@ def _replay_loop(
     progress: Callable[[int, int], None] | None,
 ) -> Replayed:
     """A node's events through a loop."""
-    rover = before.rover
     recorder = Recorder(output, after, "node") if output else None
     again = _Again(after, changes, recorder)
-    recorded = Collected(len(rover.steering_joints), len(rover.traction_joints))
+    recorded = Collected(before.rover)
     wanted: list[tuple[float, ...]] = []
     try:
         for number, message in enumerate(record.messages((*IN, *OUT))):
@@ -126,8 +125,7 @@ class _Again:
 
     def __init__(self, settings: Settings, changes: Mapping[str, Any], recorder: Recorder | None) -> None:
         self.loop = Loop(settings)
-        rover = settings.rover
-        self.collected = Collected(len(rover.steering_joints), len(rover.traction_joints))
+        self.collected = Collected(settings.rover)
         self._changes, self._recorder = changes, recorder
         self._states = JointStates()
 

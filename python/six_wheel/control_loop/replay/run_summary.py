@@ -1,7 +1,7 @@
 """Commands and odometry of a loop, from a record and from its rerun."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -84,26 +84,17 @@ class Replayed(Shown):
     def same_bits(self) -> bool:
         """True if commands and odometry are the same numbers to the last bit."""
         one, other = self.recorded, self.again
+        arrays = [each.name for each in fields(Run) if each.name != "reasons"]
         return one.reasons == other.reasons and all(
-            getattr(one, name).tobytes() == getattr(other, name).tobytes()
-            for name in (
-                "times",
-                "steering",
-                "wheel_speeds",
-                "twists",
-                "stamps",
-                "poses",
-                "motions",
-                "covariances",
-            )
+            getattr(one, name).tobytes() == getattr(other, name).tobytes() for name in arrays
         )
 
 
 class Collected:
     """Outputs as they come."""
 
-    def __init__(self, steered: int, driven: int) -> None:
-        self._widths = steered, driven
+    def __init__(self, rover: Rover) -> None:
+        self._widths = len(rover.steering_joints), len(rover.traction_joints)
         self.times: list[int] = []
         self.joints: list[Sequence[float]] = []
         self.twists: list[Sequence[float]] = []

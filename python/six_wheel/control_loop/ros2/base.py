@@ -82,8 +82,6 @@ class BaseNode(LifecycleNode):
             self.halt()
         self._make()
         self.halting = HaltInterface(self)
-        self._things += [(self.destroy_service, each) for each in self.halting.services]
-        self._things += [(self.destroy_publisher, each) for each in self.halting.publishers]
         from diagnostic_msgs.msg import DiagnosticArray
 
         self._diagnostics = self.publisher(DiagnosticArray, "/diagnostics", DEPTH)
@@ -204,9 +202,17 @@ class BaseNode(LifecycleNode):
     def publisher(self, kind: type, topic: str, depth: int) -> Any:
         """A publisher as ros2_controllers have them, reliable and volatile; parameters can override it."""
         options = QoSOverridingOptions.with_default_policies()
-        made = self.create_publisher(kind, topic, QoSProfile(depth=depth), qos_overriding_options=options)
+        return self.fixed_publisher(kind, topic, QoSProfile(depth=depth), qos_overriding_options=options)
+
+    def fixed_publisher(self, kind: type, topic: str, qos: Any, **options: Any) -> Any:
+        """A publisher whose qualities no parameter overrides."""
+        made = self.create_publisher(kind, topic, qos, **options)
         self._things.append((self.destroy_publisher, made))
         return made
+
+    def serve(self, kind: type, name: str, call: Any) -> None:
+        """Answer calls of a service."""
+        self._things.append((self.destroy_service, self.create_service(kind, name, call)))
 
     def subscribe(
         self,
@@ -230,11 +236,9 @@ class BaseNode(LifecycleNode):
         """Subscribe to cmd_vel."""
         from geometry_msgs.msg import Twist, TwistStamped
 
-        if self.options["use_stamped_vel"]:
-            kind, call = TwistStamped, self._on_stamped
-        else:
-            kind, call = Twist, self._on_twist
-        self.subscribe(kind, "cmd_vel", call, QoSProfile(depth=DEPTH), area="commands", alone=True)
+        kind = TwistStamped if self.options["use_stamped_vel"] else Twist
+        qos = QoSProfile(depth=DEPTH)
+        self.subscribe(kind, "cmd_vel", self._on_command, qos, area="commands", alone=True)
 
     def after(self, step: Step | None) -> None:
         """A step goes out, then into the record."""
@@ -247,13 +251,10 @@ class BaseNode(LifecycleNode):
 
     # Calls
 
-    def _on_stamped(self, message: Any) -> None:
-        self._command(message.twist, nanoseconds(message.header.stamp))
-
-    def _on_twist(self, message: Any) -> None:
-        self._command(message, 0)
-
-    def _command(self, twist: Any, stamp: int) -> None:
+    def _on_command(self, message: Any) -> None:
+        is_stamped = self.options["use_stamped_vel"]
+        twist = message.twist if is_stamped else message
+        stamp = nanoseconds(message.header.stamp) if is_stamped else 0
         now, wanted = self.now(), (twist.linear.x, twist.linear.y, twist.angular.z)
         self.loop.command(wanted, stamp, now)
         if self.recorder is not None:
@@ -301,23 +302,23 @@ class BaseNode(LifecycleNode):
         """Report other publishers of the node's topics and publishers of wrong types."""
         faults = self.loop.faults
         for topic, alone, area, kind in self._topics:
-            infos = self.get_publishers_info_by_topic(topic)
-            others = [info for info in infos if info.topic_type != kind]
-            for info in others:
-                got = f"{info.topic_type} from {_who(info)}" + (
-                    " (the parameter use_stamped_vel)" if alone else ""
-                )
-                faults.add(area, ERROR, f"{topic} must be {kind}", got)
-            if alone and len(infos) > 1:
-                listed = ", ".join(sorted(_who(info) for info in infos))
+            for info in self.get_publishers_info_by_topic(topic):
+                if info.topic_type != kind:
+                    hint = " (the parameter use_stamped_vel)" if alone else ""
+                    got = f"{info.topic_type} from {_who(info)}{hint}"
+                    faults.add(area, ERROR, f"{topic} must be {kind}", got)
+            if alone:
                 rule = f"{topic} must have one publisher, or the latest stamp counts"
-                faults.add("commands", WARN, rule, f"{len(infos)}: {listed}")
+                self._check_alone(topic, WARN, rule)
         for publisher in self._commanding():
-            infos = self.get_publishers_info_by_topic(publisher.topic_name)
-            if len(infos) > 1:
-                listed = ", ".join(sorted(_who(info) for info in infos))
-                rule = f"{publisher.topic_name} must have this publisher alone"
-                faults.add("commands", ERROR, rule, f"{len(infos)}: {listed}")
+            topic = publisher.topic_name
+            self._check_alone(topic, ERROR, f"{topic} must have this publisher alone")
+
+    def _check_alone(self, topic: str, level: int, rule: str) -> None:
+        infos = self.get_publishers_info_by_topic(topic)
+        if len(infos) > 1:
+            listed = ", ".join(sorted(map(_who, infos)))
+            self.loop.faults.add("commands", level, rule, f"{len(infos)}: {listed}")
 
     def _commanding(self) -> Sequence[Any]:
         """The publishers that nobody else may compete with."""

@@ -16,12 +16,9 @@ class HaltInterface:
         self._node = node
         self._said: bool | None = None
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self._halted = node.create_publisher(Bool, "~/halted", latched)
-        self.services = [
-            node.create_service(Trigger, "~/halt", self._on_halt),
-            node.create_service(Trigger, "~/release", self._on_release),
-        ]
-        self.publishers = [self._halted]
+        self._halted = node.fixed_publisher(Bool, "~/halted", latched)
+        node.serve(Trigger, "~/halt", self._on_halt)
+        node.serve(Trigger, "~/release", self._on_release)
         # Not alone: everybody may halt the rover.
         node.subscribe(Bool, "~/halt", self._on_message, QoSProfile(depth=DEPTH), area="commands")
         self.publish()

@@ -33,7 +33,7 @@ class CommandInterface:
 
         def publisher(message: type, topic: str) -> Any:
             # As the controllers subscribe: reliable, volatile. Only the last command counts.
-            self.publishers.append(node.create_publisher(message, topic, QoSProfile(depth=1)))
+            self.publishers.append(node.fixed_publisher(message, topic, QoSProfile(depth=1)))
             return self.publishers[-1].publish
 
         if kind == "joint_state":

@@ -35,7 +35,6 @@ class RoverNode(BaseNode):
         said, kind = self.settings.parameters, self.options["command_interface"]
         period = round(SECOND / self.settings.options.update_rate)
         self._interface = CommandInterface(self, kind, self.settings.rover, period)
-        self._things += [(self.destroy_publisher, each) for each in self._interface.publishers]
         self._odom = self.publisher(Odometry, "odom", DEPTH)
         self._odometry = frames.odometry(said.odom_frame_id, said.base_frame_id)
         self._odom_due = 0
@@ -58,13 +57,11 @@ class RoverNode(BaseNode):
             )
         pose = QoSProfile(depth=DEPTH)
         self.subscribe(PoseWithCovarianceStamped, "set_pose", self._on_pose, pose, area="odometry")
-        service = self.create_service(Trigger, "~/reset_odometry", self._on_reset)
-        self._things.append((self.destroy_service, service))
+        self.serve(Trigger, "~/reset_odometry", self._on_reset)
         with contextlib.suppress(ImportError):  # of ros2_control, which not every robot has
             from control_msgs.srv import SetOdometry
 
-            service = self.create_service(SetOdometry, "~/set_odometry", self._on_set_odometry)
-            self._things.append((self.destroy_service, service))
+            self.serve(SetOdometry, "~/set_odometry", self._on_set_odometry)
 
     def _make_tf(self) -> Any:
         kind = message_type()

@@ -25,7 +25,7 @@ def read_bag(path: Path, owner: Rover | None) -> Record:
     bag = Bag(path)
     settings = settings_of(bag)
     rover = settings.rover if owner is None else owner
-    collected = Collected(len(rover.steering_joints), len(rover.traction_joints))
+    collected = Collected(rover)
     truth: list[tuple[float, float, float, float]] = []
     readings: list[tuple[int, dict[str, float]]] = []
     for message in bag.messages((*OUT, rover_record.TRUTH, rover_record.JOINTS)):
