@@ -24,7 +24,8 @@ from six_wheel.log_odometry.evaluation.paths import align
 from six_wheel.logs.detect_reader import AnyLog, logs_in, read_log
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.recordings import WheelLog
-from six_wheel.parallel import Journal, file_states
+from six_wheel.parallel import Journal
+from six_wheel.parallel.journal import file_states
 from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.dimensions import FRAME
 from six_wheel.robot_description.gyroscope_errors import ARGUMENTS

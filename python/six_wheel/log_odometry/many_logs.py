@@ -29,7 +29,8 @@ from six_wheel.logs.detect_reader import logs_in, read_log
 from six_wheel.logs.log_options import LogOptions
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.tables import table_format
-from six_wheel.parallel import Failure, Journal, file_states, spread
+from six_wheel.parallel import Failure, Journal, spread
+from six_wheel.parallel.journal import file_states
 
 JOURNAL = ".done"  # folder beside the tracks
 

@@ -25,7 +25,8 @@ from six_wheel.maps.files import Options
 from six_wheel.maps.readers.rasters import GridImage, Raster, rasterio
 from six_wheel.maps.reading import open_raster
 from six_wheel.maps.tiles import REASONS, Tile, judge, reach
-from six_wheel.parallel import Journal, file_states, spread
+from six_wheel.parallel import Journal, spread
+from six_wheel.parallel.journal import file_states
 
 SIDE = 256  # cells of a tile along its side
 PICTURE = 1000  # largest side of what a picture is made from

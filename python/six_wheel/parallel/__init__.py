@@ -5,7 +5,7 @@
 """
 
 from six_wheel.parallel.blas_threads import one_thread
-from six_wheel.parallel.journal import Journal, JournalError, file_states
+from six_wheel.parallel.journal import Journal, JournalError
 from six_wheel.parallel.spreading import ClusterError, Failure, Outcome, Outcomes, collect, spread
 
 __all__ = [
@@ -16,7 +16,6 @@ __all__ = [
     "Outcome",
     "Outcomes",
     "collect",
-    "file_states",
     "one_thread",
     "spread",
 ]
