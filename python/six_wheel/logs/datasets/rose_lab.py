@@ -22,9 +22,12 @@ def claims(path: Path) -> bool:
     """True for the table of a trial, by its name and its headers."""
     if path.name != TABLE or not path.is_file():
         return False
+    return {f"enc{number}" for number in range(1, WHEELS + 1)} <= _headers(path)
+
+
+def _headers(path: Path) -> set[str]:
     with open(path, encoding="utf-8-sig", errors="replace") as handle:
-        headers = {header.strip() for header in handle.readline(65_536).split(",")}
-    return {f"enc{number}" for number in range(1, WHEELS + 1)} <= headers
+        return {header.strip() for header in handle.readline(65_536).split(",")}
 
 
 def belongs(path: Path) -> bool:
@@ -44,8 +47,7 @@ def read(path: Path, rover: Rover) -> WheelLog:
         rule = f"the rover must have {WHEELS} wheels that do not steer, front to rear"
         raise ValueError(f"{rule}, got {', '.join(rover.wheel_names)}")
     wheels = {f"enc{number}": f"{wheel} [rad]" for number, wheel in enumerate(rover.wheel_names, start=1)}
-    with open(path, encoding="utf-8-sig", errors="replace") as handle:
-        headers = {header.strip() for header in handle.readline(65_536).split(",")}
+    headers = _headers(path)
     known = {header: meaning for header, meaning in TRUTH.items() if header in headers}
     with JointLog(path, rover, columns=wheels | known) as log:
         return log.read(session=str(path.parent))

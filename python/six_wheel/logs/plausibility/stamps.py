@@ -79,15 +79,19 @@ def check_clock(stamps: Floats, speeds: Floats, rates: bool, header: str, row: i
     if len(steps) < 4:
         return
     period = float(np.median(steps))
-    if period < PERIODS[0]:
-        _check_long_units(period, speeds, rates, header, row)
-    if period < SHORTEST:
-        return
-    units = [(symbol, by) for symbol, by in UNITS if PERIODS[0] <= period / by <= PERIODS[1]]
     moving = np.abs(speeds[np.abs(speeds) > 0.0])
-    if not units or not len(moving):
+    if not len(moving):
         return
     pace = float(np.quantile(moving, 0.95))
+    # Rows that come faster than recorders write them, and would not as times in minutes or more.
+    long_units = [each for each in LONG_UNITS if PERIODS[0] <= period * each[1] <= PERIODS[1]]
+    for symbol, by in long_units[:1] if period < PERIODS[0] else ():
+        if rates or (pace > FASTEST_RIM and pace / by <= DRIVING[1]):
+            what = f'column "{header}" gives rows {period:.2g} s apart from row {row} on'
+            raise _in_unit(f"{what}, as times in {symbol} would", symbol)
+    units = [(symbol, by) for symbol, by in UNITS if PERIODS[0] <= period / by <= PERIODS[1]]
+    if period < SHORTEST or not units:
+        return
     # The shortest unit that the period allows: 1,000 us are 1 ms, and 1 kHz is rarer than 1 Hz.
     symbol, _ = units[0]
     apart = period >= FAR_APART
@@ -108,21 +112,6 @@ def check_clock(stamps: Floats, speeds: Floats, rates: bool, header: str, row: i
 def _in_unit(what: str, symbol: str) -> ImplausibleReadingError:
     rest = f"; they are seconds with {stamp_unit('s').option}"
     return ImplausibleReadingError(f"{what}: give ", stamp_unit(symbol), rest)
-
-
-def _check_long_units(period: float, speeds: Floats, rates: bool, header: str, row: int) -> None:
-    """Refuses rows that come faster than recorders write them, and would not as times in minutes or more."""
-    units = [each for each in LONG_UNITS if PERIODS[0] <= period * each[1] <= PERIODS[1]]
-    moving = np.abs(speeds[np.abs(speeds) > 0.0])
-    if not units or not len(moving):
-        return
-    pace = float(np.quantile(moving, 0.95))
-    symbol, by = units[0]
-    if rates or (pace > FASTEST_RIM and pace / by <= DRIVING[1]):
-        what = (
-            f'column "{header}" gives rows {period:.2g} s apart from row {row} on, as times in {symbol} would'
-        )
-        raise _in_unit(what, symbol)
 
 
 def check_order(stamps: Floats, warn: Callable[[str], None], header: str) -> None:
