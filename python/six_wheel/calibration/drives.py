@@ -85,17 +85,9 @@ def _who(log: WheelLog, number: int) -> str:
 def prepare(rover: Rover, log: WheelLog, lengths: Floats, margin: float, number: int = 0) -> Drive:
     """The windows of a log.
 
-    Raises `ValueError` if the log does not fit the rover, has no truth or too few rows that can be used. A
-    `StandsStillError` if the rover does not move.
-
-    Parameters
-    ----------
-    lengths : ndarray, shape (k,)
-        Lengths of the windows [m]; see `drives` for what distance means.
-    margin : float
-        Windows end this long inside the truth, so that its clock may be moved [s].
-    number : int
-        Of the log, for the messages.
+    Windows of these lengths (k,) [m] end the `margin` [s] inside the truth, so that its clock may be moved;
+    messages have the `number` of the log. Raises `ValueError` if the log does not fit the rover, has no truth
+    or too few rows that can be used. A `StandsStillError` if the rover does not move.
     """
     who = _who(log, number)
     if log.truth is None:

@@ -14,16 +14,9 @@ from six_wheel.robot_description.wheels_of_rover import reading_joints
 
 
 class TrackRecord(Closing):
-    """Writes tracks into an MCAP file of `logs.mcap`, chunk by chunk.
+    """Writes tracks into an MCAP file of `logs.mcap`, chunk by chunk, beside a parameter file as text.
 
-    Parameters
-    ----------
-    path : Path
-        A .mcap file.
-    parameters : str
-        Its parameter file, as text.
-    origin : int
-        The second from which stamps are counted.
+    Stamps are counted from the second `origin`.
     """
 
     def __init__(self, path: Path, rover: Rover, parameters: str, origin: int) -> None:

@@ -13,16 +13,7 @@ if TYPE_CHECKING:
 
 
 class ColumnarFile:
-    """A Parquet or Arrow file, open for reading.
-
-    Raises `TableError` if it cannot be read.
-
-    Attributes
-    ----------
-    schema : pyarrow.Schema
-    headers : list of str
-    rows : int
-    """
+    """A Parquet, Arrow or JSON file, open for reading. Raises `TableError` if it cannot be read."""
 
     def __init__(self, path: Path, format: str) -> None:
         import pyarrow as pa

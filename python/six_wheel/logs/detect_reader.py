@@ -252,20 +252,9 @@ def read_log(
 
 
 class WholeLog(Closing):
-    """A log that is read whole, with the face of a `JointLog`.
+    """A log that is read whole by the one of `READERS` called `kind`, with the face of a `JointLog`.
 
-    Raises `TableError` if the file is no such log, or of another rover.
-
-    Parameters
-    ----------
-    path : Path
-        A log of one of `READERS`.
-    rover : Rover
-        With the wheels of that log, in its order.
-    kind : str
-        Its key in `READERS`.
-    plausibility : bool
-        True if readings that no rover has are refused.
+    Raises `TableError` if the file is no such log, or its wheels are not those of the rover.
     """
 
     readings: Reading = "ticks"

@@ -91,16 +91,9 @@ def _range(heights: NDArray[np.floating]) -> tuple[float, float]:
 def find_unit(
     heights: NDArray[np.floating], spacing: tuple[float, float], *, whole: bool = False
 ) -> Words | None:
-    """Reason why heights are hardly in metres, if there is one.
+    """Reason why heights [m], NaN where unknown, are hardly in metres, if there is one.
 
-    Parameters
-    ----------
-    heights : ndarray, shape (rows, columns)
-        NaN where unknown [m].
-    spacing : (float, float)
-        Between columns and between rows [m].
-    whole : bool
-        True if they came as whole numbers.
+    `spacing` is between columns and between rows [m]; heights that are `whole` came as whole numbers.
     """
     rows, columns = (slice(None, None, max(1, size // SAMPLES)) for size in heights.shape)
     parts = heights[rows][:, columns]

@@ -45,16 +45,8 @@ def find_rover(
 ) -> NamedRover:
     """The rover of a parameter file or a robot description, or a preset if there is no such file.
 
-    Raises `ValueError` if there is no such rover, or the file does not describe one.
-
-    Parameters
-    ----------
-    given : str
-        The path or the name.
-    rule : str
-        The rule for it, for the message if it is neither: "x must be a file or a preset".
-    node, kind, wheel_radius
-        As in `six_wheel.load`.
+    Raises `ValueError` if there is no such rover, or the file does not describe one; `rule` begins the
+    message if a path or name is neither: "x must be a file or a preset".
     """
     path = Path(given)
     if path.suffix.lower() in (".urdf", ".xacro"):

@@ -50,17 +50,7 @@ def _seen(record: Record) -> Seen:
 
 
 def write(path: Path, rover: Rover, record: Path | None = None) -> None:
-    """Write the layout or record that the ending of a path asks for, see `ENDINGS`.
-
-    Parameters
-    ----------
-    path : Path
-        To be written; what is there is replaced.
-    rover : Rover
-        Its joints are shown.
-    record : Path, optional
-        The record, for an .rrd.
-    """
+    """Write the layout that the ending of a path asks for, or the record with it, see `ENDINGS`."""
     check(path, record)
     seen = ALL if record is None else _seen(Record(record))
     with replacing(path, [] if record is None else [record]) as temporary:

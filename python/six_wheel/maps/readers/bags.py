@@ -27,15 +27,10 @@ DEFINITIONS = {
 
 
 def read(path: Path, options: Options) -> Grid:
-    """The last map of a topic.
+    """The last map of a topic, of a bag of ROS 1 or ROS 2.
 
-    Parameters
-    ----------
-    path : path
-        A bag of ROS 1 or ROS 2.
-    options : Options
-        `topic`, default the only one with maps; `layer` or `band` of the heights, default ``elevation`` or
-        the only one.
+    By default the topic is the only one with maps, and the layer, or band, of heights ``elevation`` or the
+    only one.
     """
     if options.spacing is not None or options.origin is not None or options.north_up is not None:
         raise TerrainFileError(f"{path} ", *doubts.own_place(options))

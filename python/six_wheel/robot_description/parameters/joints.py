@@ -36,20 +36,9 @@ def wheels_of_joints(
     stated: Mapping[str, str],
     report: Report,
 ) -> dict[str, str]:
-    """Joint to wheel in the file's order, as far as the file is right.
+    """Joint to wheel in the file's order, as far as the file is right; `report` is called for every mistake.
 
-    Parameters
-    ----------
-    section : Section
-        Has the lines of the keys.
-    here : JointList
-        The key, and which wheels it is about.
-    given : list or dict
-        Joints in any order, or wheel to joint.
-    stated : mapping
-        Joint to wheel, for joints whose names do not tell.
-    report : callable
-        Called for every mistake.
+    The joints given are in any order, or by wheel; `stated` has the wheels of joints whose names do not tell.
     """
     key, wheels, elsewhere = here.key, here.wheels, here.elsewhere
     entries = _entries(here, given, stated)

@@ -177,20 +177,9 @@ def section(
 ) -> Section | None:
     """The parameters of a rover in a file; None, with the reason reported, if that is none or several.
 
-    Parameters
-    ----------
-    tree : Tree
-        The file, a mapping.
-    node : str, optional
-        The node asked for: its name with or without namespace.
-    keys : collection of str
-        The keys of a rover.
-    telling : sequence of collections of str
-        Those of them that no other kind of node has; the first collection that any node has decides.
-    plain : collection of str
-        Those of them that stand under a node's name without ``ros__parameters``, as in ROS 1.
-    report : callable
-        Called for every mistake in the nesting.
+    The node may be asked for with or without its namespace. Of the `keys` of a rover those that are `telling`
+    are of no other kind of node: the first collection that any node has decides. The `plain` ones stand under
+    a node's name without ``ros__parameters``, as in ROS 1.
     """
     blocks, outside = _blocks(tree, keys)
     told = frozenset[str]().union(*telling)

@@ -125,24 +125,11 @@ for _name, _regex in (("null", _NULL), ("bool", _BOOL), ("int", _INT), ("float",
 
 
 def parse(text: str, report: Report, warn: Report | None = None) -> Tree:
-    """Read one YAML document.
+    """Read one YAML document; the data of one without content is None.
 
+    `report` is called for every mistake that leaves the rest readable, a key that is no text or an unknown
+    tag; `warn` for what ROS 2 reads although it may be a mistake: a key that is given twice, octal numbers.
     Raises `YamlSyntaxError` if the text is not YAML, or uses what ROS 2 does not read.
-
-    Parameters
-    ----------
-    text : str
-        The document.
-    report : callable
-        Called with line, path, message and remedy for every mistake that leaves the rest readable: a key
-        that is no text, an unknown tag.
-    warn : callable, optional
-        The same for what ROS 2 reads although it may be a mistake: a key that is given twice, octal numbers.
-
-    Returns
-    -------
-    Tree
-        Its ``data`` is None for a document without content.
     """
     try:
         root = Loader(text).get_single_node()
