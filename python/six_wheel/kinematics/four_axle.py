@@ -10,7 +10,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Self, SupportsFloat, TypeAlias
 
-from six_wheel._core import FourAxle
 from six_wheel.kinematics import rover_edit
 from six_wheel.kinematics.errors import ArgumentTypeError
 from six_wheel.kinematics.keywords import checked_class
@@ -23,17 +22,6 @@ if TYPE_CHECKING:
 
     from six_wheel._core import Rover
     from six_wheel.kinematics.poses import Floats
-
-__all__ = [
-    "Brake",
-    "FourAxle",
-    "FourAxleMobility",
-    "FourAxleMotion",
-    "FourAxleSimulation",
-    "FourAxleState",
-    "FourAxleStep",
-    "TurnSequence",
-]
 
 Brake: TypeAlias = Literal["locked", "free"]
 Four: TypeAlias = tuple[float, float, float, float]

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
+    from six_wheel.simulation.controlled import Controlled
     from six_wheel.simulation.ground_writing import write_ground
     from six_wheel.simulation.on_terrain import GroundSimulation
     from six_wheel.simulation.planar import Motion, Simulation, Slip
     from six_wheel.simulation.run_simulation import simulate
-    from six_wheel.simulation.sticking import Controlled, Stick
+    from six_wheel.simulation.sticking import Stick
     from six_wheel.simulation.writing import write_log
 
 __all__ = ["Controlled", "GroundSimulation", "Motion", "Simulation", "Slip", "Stick"]
@@ -24,6 +25,7 @@ __all__ += ["simulate", "write_ground", "write_log"]
 __getattr__, __dir__ = attach(
     __name__,
     {
+        "controlled": ("Controlled",),
         "course": (),
         "drive": (),
         "on_terrain": ("GroundSimulation",),
@@ -31,7 +33,7 @@ __getattr__, __dir__ = attach(
         "planar": ("Motion", "Simulation", "Slip"),
         "sensor_model": (),
         "run_simulation": ("simulate",),
-        "sticking": ("Controlled", "Stick"),
+        "sticking": ("Stick",),
         "writing": ("write_log",),
     },
 )

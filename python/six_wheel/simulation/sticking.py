@@ -14,8 +14,6 @@ from six_wheel.simulation.controlled import Controlled
 from six_wheel.simulation.course import Course
 from six_wheel.simulation.planar import Motion, Slip, follow_joints
 
-__all__ = ["Controlled", "Stick", "drive_stuck"]
-
 PERIOD = 0.02  # [s] of a controller whose period is not given
 
 

@@ -20,8 +20,9 @@ ROWS = 200_000  # of a table in memory at a time
 
 if TYPE_CHECKING:
     from six_wheel._core import RockerBogie, Terrain
+    from six_wheel.simulation.controlled import Controlled
     from six_wheel.simulation.planar import Simulation
-    from six_wheel.simulation.sticking import Controlled, Stick
+    from six_wheel.simulation.sticking import Stick
 
 
 class Run(NamedTuple):
@@ -172,15 +173,10 @@ def _on_a_plane(
     said = chosen.parameters
     noise = Noise(**said.noise) if said is not None and said.noise else None
     encoders: dict[str, Any] = {}
-    for name, given in (
-        ("wheel_encoders", said.wheel_encoders if said is not None else {}),
-        ("steering_encoders", said.steering_encoders if said is not None else {}),
-    ):
-        counts = {
-            key: given[key]
-            for key in ("ticks_per_turn", "gear_ratio", "wraps_at")
-            if given.get(key) is not None
-        }
+    for name in ("wheel_encoders", "steering_encoders"):
+        given: dict[str, Any] = getattr(said, name, {})
+        keys = ("ticks_per_turn", "gear_ratio", "wraps_at")
+        counts = {key: given[key] for key in keys if given.get(key) is not None}
         if "ticks_per_turn" in counts:
             encoders[name] = Encoder(**counts)
     gyroscope = None

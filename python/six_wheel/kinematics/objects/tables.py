@@ -65,13 +65,10 @@ class Tabular(Shown):
         """
         arrow = _needed("pyarrow", "six-wheel[cli]")
         columns = _columns_of(self, "to_arrow", names)
-        fields = [
-            arrow.field(name, arrow.from_numpy_dtype(values.dtype), metadata={"unit": unit} if unit else None)
-            for name, (unit, values) in columns.items()
-        ]
-        return arrow.table(
-            [arrow.array(values) for _, values in columns.values()], schema=arrow.schema(fields)
-        )
+        units = {name: {"unit": unit} if unit else None for name, (unit, _) in columns.items()}
+        arrays = {name: arrow.array(values) for name, (_, values) in columns.items()}
+        fields = [arrow.field(name, array.type, metadata=units[name]) for name, array in arrays.items()]
+        return arrow.table(list(arrays.values()), schema=arrow.schema(fields))
 
     def to_csv(self, path: str | os.PathLike[str], **names: Any) -> None:
         """Write the columns to the CSV file `path` with all their digits, whole or not at all.

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
-from six_wheel._core import Encoder, Noise, Odometry, OdometryState, Rover
+from six_wheel._core import Noise, Rover
 from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.checked_values import check_columns
 from six_wheel.kinematics.objects.flags import TextFlag
@@ -30,18 +30,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from six_wheel.kinematics.poses import Floats
-
-__all__ = [
-    "Encoder",
-    "Noise",
-    "Odometry",
-    "OdometryHealth",
-    "OdometryState",
-    "SlipReport",
-    "SlipWindow",
-    "Track",
-    "WheelContradiction",
-]
 
 ROUNDING = 1e-9  # [m/s], below which wheels agree: as many readings as unknowns leave no other residual
 SHOWN_WHEELS = 2  # of a slip report in words, by size
@@ -151,9 +139,7 @@ class Track(Tabular):
     @property
     def left_out(self) -> NDArray[np.int64]:
         """Rows that were left out."""
-        import numpy as np
-
-        return np.flatnonzero(self.health & int(OdometryHealth.LEFT_OUT))
+        return self.rows(OdometryHealth.LEFT_OUT)
 
     def rows(self, flag: OdometryHealth) -> NDArray[np.int64]:
         """Numbers of the rows with any flag of `flag`."""
@@ -272,11 +258,7 @@ class SlipWindow:
         import numpy as np
 
         slid = residuals[first : last + 1]
-        steps = (
-            np.diff(stamps[first - 1 : last + 1])
-            if first
-            else np.diff(stamps[: last + 1], prepend=stamps[first])
-        )
+        steps = np.diff(stamps[first : last + 1], prepend=stamps[max(first - 1, 0)])
         distances = (slid * steps[:, None]).sum(axis=0)
         wheel = int(np.argmax(distances))
         begin, end = float(stamps[first]), float(stamps[last])
