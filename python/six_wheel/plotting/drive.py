@@ -183,12 +183,10 @@ def drive_figure(
 
     Parameters
     ----------
-    rover : Rover
-        Any layout of wheels.
+    rover, poses, steering
+        As in `path_figure`.
     course : Course
         Commanded and limited twists, steering angles, their rates and wheel speeds over time.
-    poses, steering
-        As in `path_figure`.
     limits : Limits
         Dashed lines where the values come near them.
     shares : mapping of str to float

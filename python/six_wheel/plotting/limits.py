@@ -118,7 +118,8 @@ def _fill(axes: Axes, found: Rim) -> list[Patch]:
     """Draws a wedge for each direction; returns what the legend has to say."""
     patches: dict[Reason, Patch] = {}
     ways, ends = found.directions[:, (2, 0)], found.twists[:, (2, 0)]
-    kinds = [_binding(reasons) for reasons in found.reasons]
+    order = (Reason.STEERING_LIMIT, Reason.PROJECTED, *COLORS)
+    kinds = [next((kind for kind in order if kind in reasons), Reason.PROJECTED) for reasons in found.reasons]
     for kind, run in groupby(range(len(kinds)), kinds.__getitem__):
         rows = list(run)
         after = (rows[-1] + 1) % len(kinds)
@@ -136,14 +137,6 @@ def _fill(axes: Axes, found: Rim) -> list[Patch]:
         patches.setdefault(kind, Patch(facecolor=color, label=label))
     beyond = Patch(facecolor="white", edgecolor=SOFT, linewidth=0.6, label="faster than a limit allows")
     return [*(patches[kind] for kind in (*COLORS, *SHADES) if kind in patches), beyond]
-
-
-def _binding(reasons: Reason) -> Reason:
-    """The reason by which a direction is coloured."""
-    for kind in (Reason.STEERING_LIMIT, Reason.PROJECTED, *COLORS):
-        if kind in reasons:
-            return kind
-    return Reason.PROJECTED
 
 
 def _write_radii(axes: Axes, rover: Rover, reach: Floats) -> None:

@@ -61,14 +61,10 @@ def plan_figure(
 
     Parameters
     ----------
-    rover : Rover
-        Any layout of wheels.
+    rover, poses, steering
+        As in `path_figure`; the poses are those in the frame of the map.
     costmap : Costmap
         Costs that the planner used.
-    poses : array_like, shape (n, 3)
-        x, y, yaw of the body in the frame of the map [m, m, rad], n >= 1.
-    steering : array_like, shape (n, steered wheels)
-        Steering angles at those poses [rad].
     path : array_like, shape (m, 2 or more), optional
         The path that was to be followed [m].
     title : str, optional

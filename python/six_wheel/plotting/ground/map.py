@@ -43,8 +43,12 @@ def map_figure(ground: Terrain, *, title: str = "", facts: Sequence[tuple[str, s
     known = np.nan_to_num(heights, nan=0.0 if unknown.all() else float(np.nanmean(heights)))
     # Beside unknown cells there is no slope, and so no light or shadow.
     shade = np.where(np.isnan(slopes), np.nan, SUN.hillshade(known, dx=dx, dy=dy))
-    figure = Figure(figsize=_size(dx * columns, dy * rows, len(facts)), layout="constrained")
-    parts = figure.subfigures(2, 1, height_ratios=_shares(figure, len(facts)), squeeze=False)
+    wide, high = (
+        max(SIDE * length / max(dx * columns, dy * rows), 2.2) for length in (dx * columns, dy * rows)
+    )
+    lines = max(len(facts), 1) * LINE
+    figure = Figure(figsize=(2.0 * wide + 3.2, high + 1.2 + lines), layout="constrained")
+    parts = figure.subfigures(2, 1, height_ratios=(high + 1.2, lines), squeeze=False)
     above, below = parts[:, 0]
     above.suptitle(title)
     left, right = above.subplots(1, 2, sharex=True, sharey=True)
@@ -71,15 +75,3 @@ def map_figure(ground: Terrain, *, title: str = "", facts: Sequence[tuple[str, s
         below.text(0.03, height, name, va="center", fontsize="small", color="0.35")
         below.text(0.16, height, value, va="center", fontsize="small")
     return figure
-
-
-def _size(width: float, height: float, facts: int) -> tuple[float, float]:
-    """Size of a figure of two panels of this shape above lines of text [in]."""
-    scale = SIDE / max(width, height)
-    panel = max(width * scale, 2.2), max(height * scale, 2.2)
-    return 2.0 * panel[0] + 3.2, panel[1] + 1.2 + max(facts, 1) * LINE
-
-
-def _shares(figure: Figure, facts: int) -> tuple[float, float]:
-    lines = max(facts, 1) * LINE / figure.get_size_inches()[1]
-    return 1.0 - lines, lines

@@ -146,14 +146,14 @@ def mobility_figure(found: Any, *, title: str | None) -> Figure:
     for place, motion in enumerate(np.atleast_2d(found.motion)):
         if not motion.size:
             continue
+        vx, vy, omega = motion
+        turns = abs(omega) > 1e-9
+        times = np.linspace(0.0, 0.5 / abs(omega) if turns else 1.0, 60)  # for half a radian, or a metre
         for side in (1.0, -1.0):
-            path = page(
-                np.array([exp(side * motion, t)[:2] for t in np.linspace(0.0, _duration(motion), 60)])
-            )
+            path = page(np.array([exp(side * motion, t)[:2] for t in times]))
             colour, style = (MOTION, AXLE, CENTRE)[place % 3], "-" if side > 0 else "--"
             axes.plot(*path.T, style, color=colour, linewidth=2)
-        vx, vy, omega = motion
-        if abs(omega) > 1e-9:
+        if turns:
             axes.plot(-vx / omega, -vy / omega, "o", color=CENTRE, markersize=8)
     axes.plot(0, 0, "+", color=INK, markersize=14)
     axes.margins(0.2)
@@ -165,12 +165,6 @@ def mobility_figure(found: Any, *, title: str | None) -> Figure:
     )
     write_title(axes, title, f"{words}; free motions, and their centres of rotation (dots)")
     return figure
-
-
-def _duration(motion: Floats) -> float:
-    """Time for which a motion is drawn [s]: that of half a radian, or of a metre where it is straight."""
-    omega = float(motion[2])
-    return 0.5 / abs(omega) if abs(omega) > 1e-9 else 1.0
 
 
 def pose_figure(state: Any, *, title: str | None) -> Figure:

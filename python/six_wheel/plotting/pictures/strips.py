@@ -107,12 +107,8 @@ def profile_strips(profile: Any, *, title: str | None) -> Figure:
     times = np.linspace(0.0, profile.duration, INSTANTS)
     state = profile.at(times)
     panels = {}
-    for name, unit in (
-        ("value", " [1]"),
-        ("velocity", " [1/s]"),
-        ("acceleration", " [1/s²]"),
-        ("jerk", " [1/s³]"),
-    ):
+    units = {"value": " [1]", "velocity": " [1/s]", "acceleration": " [1/s²]", "jerk": " [1/s³]"}
+    for name, unit in units.items():
         values = np.asarray(getattr(state, name)).reshape(len(times), -1)
         panels[name + unit] = _named([f"axis {k + 1}" for k in range(values.shape[1])], values)
     return strips(times, panels, title=title, below=f"profile of {profile.duration:.3g} s")
