@@ -175,8 +175,7 @@ def follow_joints(
 
 def _along(rover: Rover, twists: Floats, near: Floats | None = None) -> tuple[Floats, Floats]:
     """Steering angles and wheel speeds along twists: of two equivalent angles the one nearer to that of
-    the row in
-    `near`, or to the one before."""
+    the row in `near`, or to the one before."""
     if not rover.steered_wheel_names:
         return np.empty((len(twists), 0)), rover.inverse(twists)[1]
     angles = np.empty((len(twists), len(rover.steered_wheel_names)))

@@ -65,9 +65,8 @@ def possible_image(
         row = round((0.5 - 0.5 * up) * (HEIGHT - 1))
         column = round((0.5 - 0.5 * across) * (WIDTH - 1))
         row, column = min(max(row, size), HEIGHT - 1 - size), min(max(column, size), WIDTH - 1 - size)
-        image[row - size : row + size + 1, column - size : column + size + 1] = (
-            INK if color == WHITE else WHITE
-        )
+        frame = INK if color == WHITE else WHITE
+        image[row - size : row + size + 1, column - size : column + size + 1] = frame
         image[row - size + 2 : row + size - 1, column - size + 2 : column + size - 1] = color
     return image
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
+from tests.core.ground.test_ground_reference import PERSEVERANCE
 from tests.kinematics.odometry.slopes import QUIET, ramp, simulated
 
 
@@ -170,15 +171,7 @@ def test_it_is_the_plain_one(known: str) -> None:
     from six_wheel.reference import ground as plain
     from six_wheel.reference.ground.odometry import dead_reckon
 
-    dimensions = {
-        "rocker_pivot": (0.30402, 0.79959, 0.89288),
-        "rocker_to_front": (0.881, 0.26291, -0.63),
-        "rocker_to_bogie": (-0.754, 0.12, -0.23),
-        "bogie_to_middle": (0.44998, 0.26491, -0.4),
-        "bogie_to_rear": (-0.625, 0.14291, -0.4),
-        "wheel_radius": 0.26288,
-    }
-    arm, chain = sw.RockerBogie(**dimensions), plain.rocker_bogie(**dimensions)
+    arm, chain = sw.RockerBogie(**PERSEVERANCE), plain.rocker_bogie(**PERSEVERANCE)
     _, ground, log = simulated()
     rows = slice(100, 140 if known == "joints" else 106)
     totals = log.wheel_angles[rows] + 0.002 * np.random.default_rng(4).standard_normal(

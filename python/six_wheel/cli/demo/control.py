@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from six_wheel._core import Controller, Limits, Rover, integrate
 from six_wheel.cli.demo.motion import DemoResult
@@ -96,7 +96,8 @@ def drive_controlled(result: DemoResult, noise: float) -> ControlResult:
     rover = result.rover
     begin, end = result.times[0], result.times[-2]
     times = np.arange(round((end - begin) * RATE)) / RATE
-    commanded = _at(times, result.times[:-1] - begin, result.twists)
+    stamps = result.times[:-1] - begin
+    commanded = np.stack([np.interp(times, stamps, column) for column in result.twists.T], axis=1)
     controller = Controller(rover, LIMITS, period=1.0 / RATE)
     random = np.random.default_rng(SEED)
     measured = np.zeros(len(rover.steered_wheel_names))
@@ -113,11 +114,6 @@ def drive_controlled(result: DemoResult, noise: float) -> ControlResult:
     return ControlResult(
         result.name, rover, noise, times, commanded, twists, steering, rates, speeds, reasons
     )
-
-
-def _at(times: Floats, stamps: Floats, values: ArrayLike) -> Floats:
-    """Columns at other times, evenly from row to row."""
-    return np.stack([np.interp(times, stamps, column) for column in np.asarray(values).T], axis=1)
 
 
 def draw_control(result: ControlResult) -> Figure:

@@ -110,11 +110,8 @@ _ROWS = (
 
 def _cells(result: DemoResult) -> list[str]:
     rover, deviation = result.rover, result.deviation
-    angles, rates, speeds = (
-        np.abs(result.steering),
-        np.abs(result.steering_rates),
-        np.abs(result.wheel_speeds),
-    )
+    joints = (result.steering, result.steering_rates, result.wheel_speeds)
+    angles, rates, speeds = map(np.abs, joints)
     distance, turn = result.closing_error
     moving = np.any(result.asked != 0.0, axis=1)
     possible = np.asarray(rover.admissible(result.asked[moving]))

@@ -1,7 +1,7 @@
 """Results of dead reckoning in words: for the console, and as a written report."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from six_wheel.cli.report.markdown import picture, table
 from six_wheel.kinematics.odometry.tracks import ROUNDING, SILENT
@@ -159,7 +159,7 @@ def written(result: Reckoned, picture_name: str) -> str:
 
 def _growth(evaluation: Evaluation) -> str:
     growth = evaluation.growth
-    rows: Sequence[Sequence[str]] = [
+    rows = [
         (f"{length:.3g}", f"{position:.4f}", f"{100 * position / length:.2f}", f"{math.degrees(heading):.2f}")
         for length, position, heading in zip(growth.length, growth.position, growth.heading, strict=True)
     ]

@@ -135,11 +135,9 @@ class Declared:
         given |= {f"noise.{name}": getattr(noise, name) for name in GROUPS["noise"].model_fields}
         for name, value in given.items():
             group, _, key = name.partition(".")
-            what = (
-                GROUPS[group].model_fields[key].description
-                if key
-                else "age at which a command is too old, in s"
-            )
+            what = "age at which a command is too old, in s"
+            if key:
+                what = str(GROUPS[group].model_fields[key].description)
             none = {"noise": "", "limits": f"; 0: its default, {LARGEST:g}: none"}.get(group, "; 0: none")
             descriptor = self._descriptor(f"{what}{none}", read_only=False)
             _range(descriptor, 0.0, LARGEST)

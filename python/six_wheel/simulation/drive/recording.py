@@ -43,12 +43,8 @@ class DriveRecord(Closing):
         self._origin: int | None = None
         self._rows = 0
         self._wanted: list[float] | None = None
-        told: dict[str, Any] = {
-            "unit": engine.time_unit.symbol,
-            "rate": engine.summary.rate,
-            "keep": engine.keep,
-        }
-        told |= {"block_rows": engine.block_rows, "halt": engine.halt}
+        told: dict[str, Any] = {"unit": engine.time_unit.symbol, "rate": engine.summary.rate}
+        told |= {"keep": engine.keep, "block_rows": engine.block_rows, "halt": engine.halt}
         self._record = RoverRecord(path, engine.rover, "drive", parameters, {"drive": told})
 
     def given(self, chunk: Chunk) -> None:
