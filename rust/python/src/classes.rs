@@ -6,6 +6,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 #[macro_use]
+mod documentation;
+#[macro_use]
 mod parameter_lists;
 
 /// Read-only attributes of a class: documentation, name, type and expression of each.

@@ -22,12 +22,7 @@ functions! {
     ///     Rows ``[x, y, yaw]`` [m, m, rad].
     /// dt : float or array_like, shape (n,)
     ///     Duration of the steps [s].
-    /// out : ndarray, shape (n, 3), optional
-    ///     Array for the result.
-    /// dtype : dtype, optional
-    ///     float32 for a result of single precision, default float64.
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    #[doc = parameters!(out "(n, 3)", dtype, threads)]
     ///
     /// Returns
     /// -------
@@ -64,16 +59,10 @@ functions! {
     ///
     /// Parameters
     /// ----------
-    /// twist : array_like, shape (..., 3)
-    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    #[doc = parameters!(twist "(..., 3)")]
     /// dt : float or array_like, shape (...), default 1.0
     ///     Duration [s].
-    /// out : ndarray, shape (..., 3), optional
-    ///     Array for the result.
-    /// dtype : dtype, optional
-    ///     float32 for a result of single precision, default float64.
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    #[doc = parameters!(out "(..., 3)", dtype, threads)]
     ///
     /// Returns
     /// -------
@@ -99,12 +88,7 @@ functions! {
     ///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
     /// dt : float or array_like, shape (...), default 1.0
     ///     In how long [s].
-    /// out : ndarray, shape (..., 3), optional
-    ///     Array for the result.
-    /// dtype : dtype, optional
-    ///     float32 for a result of single precision, default float64.
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    #[doc = parameters!(out "(..., 3)", dtype, threads)]
     ///
     /// Returns
     /// -------
@@ -154,12 +138,7 @@ functions! {
     /// ----------
     /// first, second : array_like, shape (..., 3)
     ///     ``[x, y, yaw]`` [m, m, rad].
-    /// out : ndarray, shape (..., 3), optional
-    ///     Array for the result.
-    /// dtype : dtype, optional
-    ///     float32 for a result of single precision, default float64.
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    #[doc = parameters!(out "(..., 3)", dtype, threads)]
     ///
     /// Returns
     /// -------
@@ -193,12 +172,7 @@ functions! {
     /// ----------
     /// angle : float or array_like, shape (...)
     ///     Angles [rad].
-    /// out : ndarray, shape (...), optional
-    ///     Array for the result.
-    /// dtype : dtype, optional
-    ///     float32 for a result of single precision, default float64.
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    #[doc = parameters!(out "(...)", dtype, threads)]
     ///
     /// Returns
     /// -------

@@ -34,13 +34,7 @@ use values::{Gyroscope, Noise};
 ///     Any vehicle.
 /// noise : Noise, optional
 ///     Standard deviations of readings and slip, default ``Noise()``.
-/// readings : {'angles', 'speeds', 'ticks'}
-///     Kind of the wheels' readings: running totals [rad]; rates at the stamps [rad/s], of which a step takes the mean
-///     of its two ends; or totals in ticks of `wheel_encoders`.
-/// increments : bool, default False
-///     Angles or ticks are those since the sample before, not totals.
-/// wheel_encoders, steering_encoders : Encoder, sequence of Encoder or dict of str to Encoder, optional
-///     For readings in counts: one for all, one each, or by the name of the wheel.
+#[doc = parameters!(readings_and_encoders)]
 /// method : {'least_squares', 'middle_wheels', 'robust'}
 ///     Weights of the wheels, as in `Rover.fit`.
 /// inflate : bool
@@ -209,8 +203,7 @@ methods! { Odometry:
     ///
     /// Parameters
     /// ----------
-    /// twist : array_like, shape (3,)
-    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    #[doc = parameters!(twist "(3,)")]
     /// stamp : float
     ///     Until when it was held [s]. The first stamp is the reference.
     ///

@@ -220,10 +220,7 @@ methods! { Mppi:
     ///     refused.
     /// out : tuple of ndarray, optional
     ///     Arrays for the plan's `steering`, shape (horizon, steered wheels), and `wheel_speeds`, shape (horizon, wheels).
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`.
-    /// level : str, optional
-    ///     One of `simd_levels()`, default the best.
+    #[doc = parameters!(threads, level)]
     ///
     /// Returns
     /// -------

@@ -85,10 +85,7 @@ methods! { Profile:
     ///
     /// Parameters
     /// ----------
-    /// start, end : float or array_like, shape (axes,)
-    ///     Values at both ends, in any unit.
-    /// duration : float
-    ///     Duration [s].
+    #[doc = parameters!(ends, duration)]
     ///
     /// Raises
     /// ------
@@ -104,10 +101,7 @@ methods! { Profile:
     ///
     /// Parameters
     /// ----------
-    /// start, end : float or array_like, shape (axes,)
-    ///     Values at both ends, in any unit.
-    /// duration : float
-    ///     Duration [s].
+    #[doc = parameters!(ends, duration)]
     /// ramp : float, optional
     ///     Duration of the acceleration, and of the deceleration [s]; default a third of the duration, at most a half.
     ///
@@ -127,10 +121,7 @@ methods! { Profile:
     ///
     /// Parameters
     /// ----------
-    /// start, end : float or array_like, shape (axes,)
-    ///     Values at both ends, in any unit.
-    /// duration : float
-    ///     Duration [s].
+    #[doc = parameters!(ends, duration)]
     /// ramp : float, optional
     ///     Duration of the acceleration, and of the deceleration [s]; the default and most is half the duration, which
     ///     takes the least jerk: over a distance d in the time T, velocity ``2 d / T``, acceleration

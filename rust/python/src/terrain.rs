@@ -243,17 +243,11 @@ methods! { Terrain:
     ///
     /// Parameters
     /// ----------
-    /// xy : array_like, shape (..., 2)
-    ///     Points [m].
+    #[doc = parameters!(points)]
     /// method : {'bilinear', 'bicubic'}
     ///     From the four corners of the cell, which is the surface that wheels stand on; or smoothly from
     ///     sixteen nodes.
-    /// out : ndarray, shape (...), optional
-    ///     Array for the result.
-    /// dtype : dtype, optional
-    ///     float32 for results of single precision, default float64; they are computed in double precision.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(out "(...)", dtype, threads)]
     ///
     /// Returns
     /// -------
@@ -275,16 +269,10 @@ methods! { Terrain:
     ///
     /// Parameters
     /// ----------
-    /// xy : array_like, shape (..., 2)
-    ///     Points [m].
+    #[doc = parameters!(points)]
     /// method : {'bilinear', 'bicubic'}
     ///     As for `height_at`. On a crease of the bilinear surface, those of the cell that comes after it.
-    /// out : ndarray, shape (..., 2), optional
-    ///     Array for the result.
-    /// dtype : dtype, optional
-    ///     float32 for results of single precision, default float64; they are computed in double precision.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(out "(..., 2)", dtype, threads)]
     ///
     /// Returns
     /// -------
@@ -306,16 +294,10 @@ methods! { Terrain:
     ///
     /// Parameters
     /// ----------
-    /// xy : array_like, shape (..., 2)
-    ///     Points [m].
+    #[doc = parameters!(points)]
     /// method : {'bilinear', 'bicubic'}
     ///     As for `gradient_at`.
-    /// out : ndarray, shape (..., 3), optional
-    ///     Array for the result.
-    /// dtype : dtype, optional
-    ///     float32 for results of single precision, default float64; they are computed in double precision.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(out "(..., 3)", dtype, threads)]
     ///
     /// Returns
     /// -------
@@ -337,10 +319,7 @@ methods! { Terrain:
     ///
     /// Parameters
     /// ----------
-    /// xy : array_like, shape (..., 2)
-    ///     Points [m].
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(points, threads)]
     ///
     /// Returns
     /// -------

@@ -166,8 +166,7 @@ methods! { Controller:
     ///
     /// Parameters
     /// ----------
-    /// twist : array_like, shape (3,)
-    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    #[doc = parameters!(twist "(3,)")]
     /// stamp : float
     ///     When it was given [s], by the clock of `step`.
     /// mode : {'free', 'crab', 'spin'}, optional

@@ -246,6 +246,7 @@ impl<'py> Blocks<'py> {
     }
 
     /// Reads an optional argument.
+    /// One number stays one.
     pub fn read_optional(argument: &str, value: Option<&Bound<'py, PyAny>>, width: usize) -> PyResult<Option<Self>> {
         value.map(|value| Self::read(argument, value, width)).transpose()
     }

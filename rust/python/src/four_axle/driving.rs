@@ -37,8 +37,7 @@ methods! { FourAxle:
     /// speed : float
     ///     Root mean square speed of the pivots [m/s]: straight ahead the speed of the body. Negative
     ///     backwards.
-    /// duration : float
-    ///     Duration [s].
+    #[doc = parameters!(duration)]
     ///
     /// Returns
     /// -------

@@ -29,10 +29,7 @@ use values::{array, axles, brake, drives, raised, value, vector};
 ///     Half the distance of the pivots along and across the body [m]; across it may be 0.
 /// axle_length : float
 ///     Pivot to wheel [m].
-/// wheel_radius : float
-///     Hub to ground [m].
-/// steering_limit : float or (float, float), optional
-///     Largest angle to either side, or smallest and largest [rad]; default a quarter turn.
+#[doc = parameters!(wheel_radius, steering_limit)]
 /// tolerance : float
 ///     Side slip per metre driven up to which axle lines count as meeting in one point. The default is what
 ///     pivot encoders of 13 bits leave open.
@@ -103,16 +100,12 @@ methods! { FourAxle:
     ///
     /// Parameters
     /// ----------
-    /// twist : array_like, shape (..., 3)
-    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    #[doc = parameters!(twist "(..., 3)")]
     /// previous : array_like, shape (..., 4), optional
     ///     Present axle angles [rad].
     /// out : (ndarray, ndarray), shapes (..., 4) and (..., 4), optional
     ///     Arrays for steering and wheel speeds.
-    /// dtype : dtype, optional
-    ///     float32 for results of single precision, default float64.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(dtype, threads)]
     ///
     /// Returns
     /// -------
@@ -177,12 +170,7 @@ methods! { FourAxle:
     /// icr : array_like, shape (..., 2)
     ///     The point in body axes [m]; (0, 0) to spin in place, (0, inf) for straight ahead, (inf, 0) for a
     ///     crab sideways. Other crabs have a direction, not a point: `inverse`.
-    /// out : ndarray, shape (..., 4), optional
-    ///     Array for the result.
-    /// dtype : dtype, optional
-    ///     float32 for results of single precision, default float64.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(out "(..., 4)", dtype, threads)]
     ///
     /// Returns
     /// -------

@@ -120,14 +120,7 @@ functions! {
     ///     Duration of the steps [s]; 0 where a recording has the same stamp twice: nothing moves.
     /// start : array_like, shape (3,) or (..., 3), default (0, 0, 0)
     ///     First pose ``[x, y, yaw]`` [m, m, rad], of all logs or of each.
-    /// out : ndarray, shape (..., n + 1, 3), optional
-    ///     Array for the poses.
-    /// dtype : dtype, optional
-    ///     float32 for a result of single precision, default float64; it is computed in double precision.
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
-    /// level : str, optional
-    ///     One of `simd_levels()`, default the best.
+    #[doc = parameters!(out "(..., n + 1, 3)", dtype, threads, level)]
     ///
     /// Returns
     /// -------
@@ -161,10 +154,7 @@ functions! {
     ///     Duration of the steps [s].
     /// start : array_like, shape (3,) or (..., k, 3), default (0, 0, 0)
     ///     First pose ``[x, y, yaw]`` [m, m, rad], of all rollouts or of each.
-    /// out : ndarray, shape (..., k, t + 1, 3), optional
-    ///     Array for the poses.
-    /// dtype : dtype, optional
-    ///     float32 for a result of single precision, default float64; it is computed in double precision.
+    #[doc = parameters!(out "(..., k, t + 1, 3)", dtype)]
     /// rover : Rover, optional
     ///     Whose motions they are: controls are then wishes, as those of `Mppi`, and what the rover cannot do at once becomes
     ///     what it does instead. The steps take one time, `dt`.
@@ -176,10 +166,7 @@ functions! {
     ///     Angles of its steering joints at the start [rad]; default straight ahead.
     /// delay : float, default 0.0
     ///     Delay before a control has an effect, in which the motion goes on [s].
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
-    /// level : str, optional
-    ///     One of `simd_levels()`, default the best.
+    #[doc = parameters!(threads, level)]
     ///
     /// Returns
     /// -------

@@ -41,10 +41,7 @@ methods! { Suspension:
     /// out : tuple of ndarray, optional
     ///     Arrays for steering, wheel speeds, twist, joint rates and scale, in this order, of the shapes of the result;
     ///     what is left out, or None, is fresh. Nothing is written by a call that fails.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
-    /// level : str, optional
-    ///     Instructions, one of `simd_levels`; default the best for so many rows.
+    #[doc = parameters!(threads, level)]
     ///
     /// Returns
     /// -------
@@ -121,17 +118,13 @@ methods! { Suspension:
     ///     Measured rates of the free angles [rad/s], NaN where there is none.
     /// angular_velocity : array_like, shape (..., 3), optional
     ///     Of the body about its own axes, from an IMU [rad/s], NaN where there is none.
-    /// steering_rates : array_like, shape (..., steered wheels), optional
-    ///     Rates of the steering angles [rad/s], default 0.
+    #[doc = parameters!(steering_rates)]
     /// weights : array_like, shape (wheels,) or (wheels, 2), optional
     ///     Weight of every wheel, for instance its load, or of its rolling and its side slip apart; default 1.
     /// out : ndarray or tuple of ndarray, optional
     ///     Arrays for the twist, or twist, joint rates and residuals, in this order, of the shapes of the result; what
     ///     is left out, or None, is fresh. Nothing is written by a call that fails.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
-    /// level : str, optional
-    ///     Instructions, one of `simd_levels`; default the best for so many rows.
+    #[doc = parameters!(threads, level)]
     ///
     /// Returns
     /// -------

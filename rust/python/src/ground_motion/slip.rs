@@ -36,8 +36,7 @@ methods! { Suspension:
     /// out : tuple of ndarray, optional
     ///     Arrays for ratio and angle, in this order, each of shape (..., wheels); what is left out, or None, is
     ///     fresh. Nothing is written by a call that fails.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(threads)]
     ///
     /// Returns
     /// -------

@@ -110,10 +110,7 @@ methods! { Suspension:
     /// out : tuple of ndarray, optional
     ///     Arrays for wheel speeds, steering and contact angles, in this order, of the shapes of the result; what is
     ///     left out, or None, is fresh. Nothing is written by a call that fails.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
-    /// level : str, optional
-    ///     Instructions, one of `simd_levels`; default the best for so many rows.
+    #[doc = parameters!(threads, level)]
     ///
     /// Returns
     /// -------

@@ -40,13 +40,7 @@ use state::Odometry3State;
 ///     Standard deviation of roll and of pitch, as read [rad].
 /// joint_noise : float, default 0.001
 ///     Standard deviation of every joint angle, as read [rad].
-/// readings : {'angles', 'speeds', 'ticks'}
-///     Kind of the wheels' readings: running totals [rad]; rates at the stamps [rad/s], of which a step takes the mean
-///     of its two ends; or totals in ticks of `wheel_encoders`.
-/// increments : bool, default False
-///     Angles or ticks are those since the sample before, not totals.
-/// wheel_encoders, steering_encoders : Encoder, sequence of Encoder or dict of str to Encoder, optional
-///     For readings in counts: one for all, one each, or by the name of the wheel.
+#[doc = parameters!(readings_and_encoders)]
 /// slip_threshold : float, optional
 ///     Slip of a wheel from which on a sample is flagged [m/s]; by default four standard deviations of the noise.
 /// max_gap : float, optional

@@ -34,11 +34,7 @@ methods! { Rover:
     ///     Present steering angles [rad]; without them the first step costs no steering rate.
     /// out : RolloutCost or tuple of ndarray, optional
     ///     Five arrays of the shapes below to write to, such as the result of an earlier call.
-    /// dtype : dtype, optional
-    ///     float32 for results of single precision, default float64; they are computed in double precision.
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`: rollouts are shared out among them. No result depends on
-    ///     it.
+    #[doc = parameters!(dtype, threads)]
     /// level : str, optional
     ///     One of `simd_levels()`, default the best: they agree to 5 ulp or 1e-14.
     ///

@@ -80,8 +80,7 @@ methods! { Profile:
     ///
     /// Parameters
     /// ----------
-    /// start, end : float or array_like, shape (axes,)
-    ///     Values at both ends, in any unit.
+    #[doc = parameters!(ends)]
     /// velocity, acceleration, jerk : float or array_like, shape (axes,)
     ///     Largest magnitudes, per [s], [s^2] and [s^3]; infinite, the default of the last two, where there
     ///     is no limit. A start beyond them is first brought within, as fast as they allow.

@@ -15,10 +15,7 @@ methods! { Rover:
     ///
     /// Parameters
     /// ----------
-    /// twist : array_like, shape (..., 3)
-    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    #[doc = parameters!(twist "(..., 3)", threads)]
     ///
     /// Returns
     /// -------
@@ -44,19 +41,13 @@ methods! { Rover:
     ///
     /// Parameters
     /// ----------
-    /// twist : array_like, shape (..., 3)
-    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    #[doc = parameters!(twist "(..., 3)")]
     /// keep : {'curvature', 'speed', 'yaw_rate', 'nearest'}
     ///     Preserved quantity. ``'curvature'``: `vx` and `omega`, and with them the turning radius; if that turn
     ///     is too tight, the nearest possible twist, scaled so that neither grows (a spin the rover cannot
     ///     make becomes rest). ``'speed'``: `vx`. ``'yaw_rate'``: `omega`. ``'nearest'``: as much as possible,
     ///     by the root mean square change of the wheel pivots' velocities.
-    /// out : ndarray, shape (..., 3), optional
-    ///     Array for the result.
-    /// dtype : dtype, optional
-    ///     float32 for a result of single precision, default float64.
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    #[doc = parameters!(out "(..., 3)", dtype, threads)]
     ///
     /// Returns
     /// -------
@@ -86,14 +77,7 @@ methods! { Rover:
     ///
     /// Parameters
     /// ----------
-    /// twist : array_like, shape (..., 3)
-    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-    /// out : ndarray, shape (..., 2), optional
-    ///     Array for the result.
-    /// dtype : dtype, optional
-    ///     float32 for a result of single precision, default float64.
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    #[doc = parameters!(twist "(..., 3)", out "(..., 2)", dtype, threads)]
     ///
     /// Returns
     /// -------

@@ -37,14 +37,10 @@ methods! { Rover:
     ///
     /// Parameters
     /// ----------
-    /// twist : array_like, shape (..., 3)
-    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    #[doc = parameters!(twist "(..., 3)")]
     /// previous : array_like, shape (..., steered wheels), optional
     ///     Present steering angles [rad], in the order of `steered_wheel_names`.
-    /// dtype : dtype, optional
-    ///     float32 for arrays of single precision, default float64.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(dtype, threads)]
     ///
     /// Returns
     /// -------

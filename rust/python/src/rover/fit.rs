@@ -68,19 +68,14 @@ methods! { Rover:
     ///
     /// Parameters
     /// ----------
-    /// steering : array_like, shape (..., steered wheels)
-    ///     Steering angles [rad]; None for a rover that does not steer.
-    /// wheel_speeds : array_like, shape (..., wheels)
-    ///     Wheel speeds [rad/s]; NaN where a passive wheel has no encoder.
+    #[doc = parameters!(wheel_readings)]
     /// method : {'least_squares', 'middle_wheels', 'robust'}
     ///     All wheels alike; the unsteered wheels alone; or re-weighted so that a wheel that disagrees with
     ///     the others loses its say (Geman-McClure weights, graduated).
-    /// steering_rates : array_like, shape (..., steered wheels), optional
-    ///     Rates of the steering angles [rad/s], default 0; they matter to wheels with scrub or trail.
+    #[doc = parameters!(steering_rates)]
     /// allow_underdetermined : bool
     ///     Take a motion that no wheel sees to be zero instead of raising.
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    #[doc = parameters!(threads)]
     ///
     /// Returns
     /// -------

@@ -134,8 +134,7 @@ methods! { Rover:
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]. Three floats in a tuple or list are fastest.
     /// previous : array_like, shape (..., steered wheels), optional
     ///     Present steering angles [rad], default 0. One outside the range counts as its nearest end.
-    /// steering_rates : array_like, shape (..., steered wheels), optional
-    ///     Rates of the steering angles [rad/s], default 0; they matter to wheels with scrub or trail.
+    #[doc = parameters!(steering_rates)]
     /// centre : array_like, shape (2,) or (..., 2), optional
     ///     The point ``[x, y]`` whose velocity `twist` is [m], and about which the rover turns if that is
     ///     zero; default the origin.
@@ -144,10 +143,7 @@ methods! { Rover:
     ///     with the others of its kind: the way they roll already, otherwise the shorter one for all.
     /// out : (ndarray, ndarray), optional
     ///     Arrays for steering, shape (..., steered wheels), and wheel speeds, shape (..., wheels); they may be `previous` and `previous_wheel_speeds` themselves.
-    /// dtype : dtype, optional
-    ///     float32 for results of single precision, default float64; they are computed in double precision.
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    #[doc = parameters!(dtype, threads)]
     /// level : str, optional
     ///     One of `simd_levels()`, default the best: they agree to 5 ulp or 1e-14.
     ///
@@ -220,20 +216,10 @@ methods! { Rover:
     ///
     /// Parameters
     /// ----------
-    /// steering : array_like, shape (..., steered wheels)
-    ///     Steering angles [rad]; None for a rover that does not steer.
-    /// wheel_speeds : array_like, shape (..., wheels)
-    ///     Wheel speeds [rad/s]; NaN where a passive wheel has no encoder.
-    /// steering_rates : array_like, shape (..., steered wheels), optional
-    ///     Rates of the steering angles [rad/s], default 0; they matter to wheels with scrub or trail.
+    #[doc = parameters!(wheel_readings, steering_rates)]
     /// allow_underdetermined : bool
     ///     Take a motion that no wheel sees to be zero instead of raising.
-    /// out : ndarray, shape (..., 3), optional
-    ///     Array for the result.
-    /// dtype : dtype, optional
-    ///     float32 for results of single precision, default float64; they are computed in double precision.
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    #[doc = parameters!(out "(..., 3)", dtype, threads)]
     /// level : str, optional
     ///     One of `simd_levels()`, default the best: they agree to 5 ulp or 1e-14, times the condition number of the
     ///     wheels' rows: the largest singular value over `TwistFit.sigma_min`.

@@ -52,14 +52,7 @@ methods! { Rover:
     ///     Left to right corner wheel [m].
     /// middle_track_width : float, optional
     ///     Left to right middle wheel [m]; may be 0, default `track_width`.
-    /// wheel_radius : float
-    ///     Hub to ground [m].
-    /// steering_limit : float, (float, float), sequence or mapping, optional
-    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn, ``math.inf`` for endless.
-    ///     Of all corner wheels or one each: a mapping by name, or a sequence of pairs.
-    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
-    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
-    ///     each: in their order, or by name.
+    #[doc = parameters!(wheel_radius, steering_limit "Of all corner wheels or one each", scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Of the wheels, in the order above.
     ///
@@ -86,15 +79,12 @@ methods! { Rover:
     /// ----------
     /// positions : array_like, shape (n, 2)
     ///     Pivots ``[x, y]`` of the modules, n from 2 to 64 [m].
-    /// wheel_radius : float
-    ///     Hub to ground [m].
+    #[doc = parameters!(wheel_radius)]
     /// steering_limit : float, (float, float), sequence or mapping, optional
     ///     Largest steering angle to either side, or smallest and largest [rad]; default endless, ``math.inf`` for endless.
     ///     Of all modules or one each: a mapping by name, or a sequence of pairs.
     ///     Beyond half a turn, turns are counted.
-    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
-    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
-    ///     each: in their order, or by name.
+    #[doc = parameters!(scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Default ``module_0``, ``module_1``, ...
     ///
@@ -133,10 +123,8 @@ methods! { Rover:
     ///     side. Their distance is the effective track.
     /// icr_forward : float, default 0.0
     ///     Longitudinal position of the centres [m].
-    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
-    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
-    ///     each: in their order, or by name. Not beside `icr_left`,
-    ///     `icr_right` and `icr_forward`, which say the same.
+    #[doc = parameters!(scrub_and_trail)]
+    ///     Not beside `icr_left`, `icr_right` and `icr_forward`, which say the same.
     /// names : sequence of str, optional
     ///     Of the wheels, front to rear, left before right; default ``left`` and ``right``, behind the axle's where
     ///     there are several.
@@ -188,10 +176,8 @@ methods! { Rover:
     ///     side, as without slip. Their distance is the effective track.
     /// icr_forward : float, default 0.0
     ///     Longitudinal position of the centres [m].
-    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
-    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
-    ///     each: in their order, or by name. Not beside `icr_left`,
-    ///     `icr_right` and `icr_forward`, which say the same.
+    #[doc = parameters!(scrub_and_trail)]
+    ///     Not beside `icr_left`, `icr_right` and `icr_forward`, which say the same.
     /// names : sequence of str, optional
     ///     Of the left and the right track; default ``left`` and ``right``.
     ///

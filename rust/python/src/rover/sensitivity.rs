@@ -121,16 +121,10 @@ methods! { Rover:
     ///
     /// Parameters
     /// ----------
-    /// steering : array_like, shape (..., steered wheels)
-    ///     Steering angles [rad]; None for a rover that does not steer.
-    /// wheel_speeds : array_like, shape (..., wheels)
-    ///     Wheel speeds [rad/s]; NaN where a passive wheel has no encoder.
-    /// steering_rates : array_like, shape (..., steered wheels), optional
-    ///     Rates of the steering angles [rad/s], default 0; they matter to wheels with scrub or trail.
+    #[doc = parameters!(wheel_readings, steering_rates)]
     /// quantities : sequence of str, optional
     ///     Names of the attributes to compute, default all of them.
-    /// threads : int, optional
-    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    #[doc = parameters!(threads)]
     ///
     /// Returns
     /// -------

@@ -42,8 +42,7 @@ methods! { Suspension:
     /// ----------
     /// ground : Terrain
     ///     The ground.
-    /// poses : array_like, shape (..., 3)
-    ///     Rows ``[x, y, yaw]`` of the body's origin in the world [m, m, rad].
+    #[doc = parameters!(poses)]
     /// steering : array_like, shape (steered,) or (..., steered), optional
     ///     Steering angles [rad], default 0. A pose whose angles are all NaN, as `inverse` gives them for a pose that does not
     ///     stand, has not converged.
@@ -51,8 +50,7 @@ methods! { Suspension:
     ///     True to compute `by_pose` and `by_dimension`.
     /// centre_of_mass : (float, float, float), optional
     ///     In the body [m]; default the mean of the wheel centres, on a rocker-bogie at the height of the rocker axis.
-    /// threads : int, optional
-    ///     Threads at most; default `default_threads()`. Results do not depend on it.
+    #[doc = parameters!(threads)]
     /// level : str, optional
     ///     One of `simd_levels()`; default the best. Results differ by rounding.
     ///

@@ -150,8 +150,7 @@ methods! { RockerBogie:
     /// ----------
     /// ground : Terrain
     ///     The map.
-    /// poses : array_like, shape (..., 3)
-    ///     Rows ``[x, y, yaw]`` of the rover's origin [m, m, rad].
+    #[doc = parameters!(poses)]
     /// limits : FeasibilityLimits, optional
     ///     Limits of a feasible pose; default ``FeasibilityLimits.curiosity()``.
     /// map_error : float, default 0.0
@@ -162,8 +161,7 @@ methods! { RockerBogie:
     /// out : tuple of ndarray, optional
     ///     Arrays for margin, tilt and clearance, in this order, each of shape (...); what is left out, or None, is
     ///     fresh. Nothing is written by a call that fails.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`. Results do not depend on it.
+    #[doc = parameters!(threads)]
     ///
     /// Returns
     /// -------
@@ -273,8 +271,7 @@ methods! { Suspension:
     /// out : tuple of ndarray, optional
     ///     Arrays for loads, tip-over angle, clearance, joint margins and tilt, in this order, of the shapes of the
     ///     result; what is left out, or None, is fresh. Nothing is written by a call that fails.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(threads)]
     ///
     /// Returns
     /// -------

@@ -105,12 +105,10 @@ methods! { Suspension:
     ///     From the rover's origin to the axis of the left bogie, and from there to the centres of its wheels [m].
     /// rear_pivot, rear_to_wheel : (float, float, float)
     ///     From the rover's origin to the axis of the rear bogie, and from there to the centre of its left wheel [m].
-    /// wheel_radius : float
-    ///     Hub to ground [m].
+    #[doc = parameters!(wheel_radius)]
     /// steered : {'corners', 'front', 'all'}
     ///     Wheels that steer, about the upright axis through their centre.
-    /// steering_limit : float or (float, float), optional
-    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
+    #[doc = parameters!(steering_limit)]
     /// bogie_limit : float or (float, float), optional
     ///     Stops of each bogie [rad]; default none.
     ///
@@ -158,10 +156,7 @@ methods! { Suspension:
     ///     Front to rear axle, left to right wheel [m].
     /// drop : float
     ///     Pivots above the wheel centres [m].
-    /// wheel_radius : float
-    ///     Hub to ground [m].
-    /// steering_limit : float or (float, float), optional
-    ///     Largest angle of an axle to either side, or smallest and largest [rad]; default a quarter turn.
+    #[doc = parameters!(wheel_radius, steering_limit)]
     /// roll_limit : float or (float, float), optional
     ///     Stops of the rear axle's roll [rad]; default none.
     ///
@@ -189,14 +184,12 @@ methods! { Suspension:
     /// ----------
     /// centres : array_like, shape (wheels, 3)
     ///     Wheel centres in the body, front to rear, left before right [m].
-    /// wheel_radius : float
-    ///     Hub to ground [m].
+    #[doc = parameters!(wheel_radius)]
     /// names : sequence of str, optional
     ///     Default ``wheel_1`` and so on.
     /// steered : sequence of int
     ///     Indices of the wheels that steer, about the upright axis through their centre.
-    /// steering_limit : float or (float, float), optional
-    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
+    #[doc = parameters!(steering_limit)]
     ///
     /// Returns
     /// -------

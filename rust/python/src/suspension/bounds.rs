@@ -138,8 +138,7 @@ methods! { RockerBogie:
     /// ----------
     /// ground : Terrain
     ///     The map. At the first call it makes a pyramid of its extremes: 48 bytes per cell.
-    /// poses : array_like, shape (..., 3)
-    ///     Rows ``[x, y, yaw]`` of the rover's origin [m, m, rad].
+    #[doc = parameters!(poses)]
     /// yaw_margin : float or array_like, shape (...)
     ///     Holds for every yaw up to so much to either side [rad].
     /// position_margin : float or array_like, shape (...)
@@ -156,8 +155,7 @@ methods! { RockerBogie:
     /// out : tuple of ndarray, optional
     ///     Arrays for z, roll, pitch, tilt, clearance, rocker, bogies and wheel drop, in this order, of the shapes of
     ///     the result; what is left out, or None, is fresh. Nothing is written by a call that fails.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(threads)]
     /// level : str, optional
     ///     Instructions; the result is the same with any, to the bit.
     ///

@@ -98,13 +98,7 @@ methods! { RockerBogie:
     ///
     /// Parameters
     /// ----------
-    /// joints : array_like, shape (..., 3)
-    ///     Angles of the left rocker, `rho` (the right one has ``-rho``), and of the left and the right bogie against their
-    ///     rockers, `beta_1` and `beta_2` [rad]; ``SettledPose.joints`` is such.
-    /// steering : array_like, shape (..., steered wheels), optional
-    ///     Steering angles [rad], default 0.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(rocker_joints, steering, threads)]
     ///
     /// Returns
     /// -------
@@ -129,13 +123,7 @@ methods! { RockerBogie:
     ///
     /// Parameters
     /// ----------
-    /// joints : array_like, shape (..., 3)
-    ///     Angles of the left rocker, `rho` (the right one has ``-rho``), and of the left and the right bogie against their
-    ///     rockers, `beta_1` and `beta_2` [rad]; ``SettledPose.joints`` is such.
-    /// steering : array_like, shape (..., steered wheels), optional
-    ///     Steering angles [rad], default 0.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(rocker_joints, steering, threads)]
     ///
     /// Returns
     /// -------

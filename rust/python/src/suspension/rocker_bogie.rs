@@ -39,8 +39,7 @@ use crate::convert::{OrRaise, number, numbers, refuse, refuse_type};
 ///     Hub to ground [m]: ``k10``.
 /// steered : {'corners', 'front', 'all'}
 ///     Wheels that steer, about the upright axis through their centre.
-/// steering_limit : float or (float, float), optional
-///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
+#[doc = parameters!(steering_limit)]
 /// rocker_to_rear, bogie_to_front : (float, float, float), optional
 ///     With the bogies in front: from the rocker joint to the centre of the rear wheel, from the bogie joint to
 ///     that of the front wheel [m].
@@ -255,8 +254,7 @@ methods! { RockerBogie:
     /// ----------
     /// rocker_pivot, rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear : (float, float, float)
     ///     The vectors of the left-hand side with all joints at 0, as of the class [m].
-    /// wheel_radius : float
-    ///     Hub to ground [m].
+    #[doc = parameters!(wheel_radius)]
     /// steered, steering_limit, rocker_limit, bogie_limit, differential_bar
     ///     As of the class.
     ///
@@ -282,8 +280,7 @@ methods! { RockerBogie:
     /// ----------
     /// rocker_pivot, rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle : (float, float, float)
     ///     The vectors of the left-hand side with all joints at 0, as of the class [m].
-    /// wheel_radius : float
-    ///     Hub to ground [m].
+    #[doc = parameters!(wheel_radius)]
     /// steered, steering_limit, rocker_limit, bogie_limit, differential_bar
     ///     As of the class.
     ///

@@ -33,15 +33,7 @@ methods! { RockerBogie:
     ///
     /// Parameters
     /// ----------
-    /// joints : array_like, shape (..., 3)
-    ///     Angles of the left rocker, `rho` (the right one has ``-rho``), and of the left and the right bogie against their
-    ///     rockers, `beta_1` and `beta_2` [rad]; ``SettledPose.joints`` is such.
-    /// out : ndarray, shape (...), optional
-    ///     Array for the result.
-    /// dtype : dtype, optional
-    ///     float32 for a result of single precision, default float64.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(rocker_joints, out "(...)", dtype, threads)]
     ///
     /// Returns
     /// -------
@@ -85,15 +77,12 @@ methods! { RockerBogie:
     ///     Forward speed of the origin of R [m/s].
     /// yaw_rate : float or array_like, shape (...)
     ///     Counter-clockwise [rad/s].
-    /// joints : array_like, shape (..., 3)
-    ///     Angles of the left rocker, `rho` (the right one has ``-rho``), and of the left and the right bogie against their
-    ///     rockers, `beta_1` and `beta_2` [rad]; ``SettledPose.joints`` is such.
+    #[doc = parameters!(rocker_joints)]
     /// previous : array_like, shape (..., steered wheels), optional
     ///     Present steering angles [rad], default 0; a wheel whose pivot rests holds them.
     /// previous_wheel_speeds : array_like, shape (..., 6), optional
     ///     Present wheel speeds [rad/s]: which way round wheels go on that could go either way.
-    /// threads : int, optional
-    ///     Threads at most; default that of `set_default_threads`.
+    #[doc = parameters!(threads)]
     ///
     /// Returns
     /// -------

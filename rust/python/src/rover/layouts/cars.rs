@@ -24,16 +24,10 @@ methods! { Rover:
     ///     Rear axle to front axle [m].
     /// track_width : float
     ///     Left to right wheel [m].
-    /// wheel_radius : float
-    ///     Hub to ground [m].
-    /// steering_limit : float, (float, float), sequence or mapping, optional
-    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn, ``math.inf`` for endless.
-    ///     Of both front wheels or one each: a mapping by name, or a sequence of pairs.
+    #[doc = parameters!(wheel_radius, steering_limit "Of both front wheels or one each")]
     /// driven : {'rear', 'front', 'all'}
     ///     Wheels that have motors; the others roll along.
-    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
-    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
-    ///     each: in their order, or by name.
+    #[doc = parameters!(scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Default ``front_left``, ``front_right``, ``rear_left``, ``rear_right``; in that order.
     ///
@@ -59,16 +53,10 @@ methods! { Rover:
     ///     Rear axle to front wheel [m].
     /// track_width : float
     ///     Left to right rear wheel [m].
-    /// wheel_radius : float
-    ///     Hub to ground [m].
-    /// steering_limit : float, (float, float), sequence or mapping, optional
-    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn, ``math.inf`` for endless.
-    ///     Of the front wheel: a mapping by name, or a sequence of pairs.
+    #[doc = parameters!(wheel_radius, steering_limit "Of the front wheel")]
     /// driven : {'front', 'rear', 'all'}
     ///     Wheels that have motors; the others roll along.
-    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
-    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
-    ///     each: in their order, or by name.
+    #[doc = parameters!(scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Default ``front``, ``rear_left``, ``rear_right``; in that order.
     ///
@@ -92,16 +80,10 @@ methods! { Rover:
     /// ----------
     /// wheelbase : float
     ///     Rear wheel to front wheel [m].
-    /// wheel_radius : float
-    ///     Hub to ground [m].
-    /// steering_limit : float, (float, float), sequence or mapping, optional
-    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn, ``math.inf`` for endless.
-    ///     Of the front wheel: a mapping by name, or a sequence of pairs.
+    #[doc = parameters!(wheel_radius, steering_limit "Of the front wheel")]
     /// driven : {'rear', 'front', 'all'}
     ///     Wheels that have motors; the others roll along.
-    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
-    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
-    ///     each: in their order, or by name.
+    #[doc = parameters!(scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Default ``front``, ``rear``; in that order.
     ///

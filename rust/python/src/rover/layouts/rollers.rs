@@ -17,13 +17,10 @@ methods! { Rover:
     /// ----------
     /// wheelbase, track_width : float
     ///     Front to rear axle, and left to right wheel [m]: whole lengths, where other libraries take halves.
-    /// wheel_radius : float
-    ///     Hub to ground [m].
+    #[doc = parameters!(wheel_radius)]
     /// roller_angle : float
     ///     Between the axes of rollers and wheel [rad]; default an eighth of a turn.
-    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
-    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
-    ///     each: in their order, or by name.
+    #[doc = parameters!(scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Default ``front_left``, ``front_right``, ``rear_left``, ``rear_right``; in that order.
     ///
@@ -49,13 +46,10 @@ methods! { Rover:
     ///     ``[x, y]`` of the wheels [m].
     /// headings : array_like, shape (n,)
     ///     Directions in which they drive [rad].
-    /// wheel_radius : float
-    ///     Hub to ground [m].
+    #[doc = parameters!(wheel_radius)]
     /// roller_angle : float
     ///     Between the axes of rollers and wheel [rad]; default a quarter turn.
-    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
-    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
-    ///     each: in their order, or by name.
+    #[doc = parameters!(scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Default ``wheel_0``, ``wheel_1``, ...
     ///
