@@ -7,7 +7,6 @@
 pub(crate) mod check;
 pub mod cone;
 pub(crate) mod faces;
-mod keep;
 pub(crate) mod projection;
 pub(crate) mod rows;
 #[cfg(test)]
@@ -15,7 +14,6 @@ pub(crate) mod tests;
 
 use nalgebra::Vector3;
 
-pub use self::keep::Keep;
 use crate::admissible::cone::AdmissibleCone;
 pub use crate::admissible::cone::SLIP_TOLERANCE;
 use crate::geometry::Direction;
@@ -26,6 +24,23 @@ use crate::wheels::Wheel;
 
 /// Intervals of turning radius narrower than this are two names of one limit [share of the size].
 const SAME_RADIUS: f64 = 1e-9;
+
+/// Part of a twist that a projection preserves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// Forward speed and yaw rate, hence the turning radius; past the limits neither grows.
+    Curvature,
+    /// Forward speed.
+    Speed,
+    /// Yaw rate.
+    YawRate,
+    /// As much as possible: least root mean square change of the pivots' velocities.
+    Nearest,
+}
+
+named_values! {
+    Keep as "keep": "curvature" => Curvature, "speed" => Speed, "yaw_rate" => YawRate, "nearest" => Nearest
+}
 
 impl RoverData {
     /// The steered wheels that may be off the way of their pivots, at the ends of their ranges, and their joints.

@@ -55,8 +55,7 @@ impl RoverData {
         if (bound * self.reading_bound).is_finite() {
             Ok(())
         } else {
-            let rule = "be small enough for a finite twist";
-            Err(Error::value("wheel_speeds", rule, numbers(measured.speeds)))
+            Err(Error::value("wheel_speeds", "be small enough for a finite twist", numbers(measured.speeds)))
         }
     }
 

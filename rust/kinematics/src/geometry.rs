@@ -280,11 +280,7 @@ impl<'a> Steps<'a> {
         match self {
             Self::Constant(dt) if wrong(*dt) => Err(Error::value("dt", rule(*dt), number(*dt))),
             Self::Constant(_) => Ok(()),
-            Self::Each(dts) if dts.len() != count => Err(Error::value(
-                "dt",
-                format!("be one number or have {count} of them, one per step"),
-                format!("{}", dts.len()),
-            )),
+            Self::Each(dts) if dts.len() != count => Err(wrong_steps(count, dts.len())),
             Self::Each(dts) if longest(dts).is_some() => Ok(()),
             Self::Each(dts) => match dts.iter().position(|dt| wrong(*dt)) {
                 Some(row) => Err(Error::value("dt", rule(dts[row]), number(dts[row])).at_row(row)),
@@ -292,4 +288,9 @@ impl<'a> Steps<'a> {
             },
         }
     }
+}
+
+/// As many durations as neither one for all steps nor one for each.
+pub(crate) fn wrong_steps(count: usize, length: usize) -> Error {
+    Error::value("dt", format!("be one number or have {count} of them, one per step"), length)
 }

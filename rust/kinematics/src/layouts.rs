@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use crate::rover::{MAX_WHEELS, Rover};
 use crate::steering::SteeringRange;
 use crate::wheels::{Pivot, Wheel};
-use six_wheel_numerics::error::{Error, finite, number, numbers, positive};
+use six_wheel_numerics::error::{Error, finite, not_negative, numbers, positive};
 
 /// Sides of a vehicle, left before right.
 const SIDES: [(&str, f64); 2] = [("left", 1.0), ("right", -1.0)];
@@ -45,9 +45,7 @@ impl Rover {
         positive("front_to_middle", d3)?;
         positive("middle_to_rear", d2)?;
         positive("track_width", 2.0 * d1)?;
-        if !(d4.is_finite() && d4 >= 0.0) {
-            return Err(Error::value("middle_track_width", "be finite and not negative", number(2.0 * d4)));
-        }
+        not_negative("middle_track_width", 2.0 * d4)?;
         positive("wheel_radius", wheel_radius)?;
         steering.check()?;
         let corner = |name: &str, x, y| Wheel::new(name, x, y, wheel_radius).steered(steering);
@@ -221,7 +219,7 @@ impl Rover {
         let names = spread_names(positions, names, "wheel", 1)?;
         if headings.len() != names.len() {
             let rule = format!("hold {} values, one per wheel", names.len());
-            return Err(Error::value("headings", rule, headings.len().to_string()));
+            return Err(Error::value("headings", rule, headings.len()));
         }
         let wheel = |((name, [x, y]), heading): ((String, &[f64; 2]), &f64)| Wheel {
             heading: *heading,
@@ -240,8 +238,7 @@ fn spread_names(
     least: usize,
 ) -> Result<Vec<String>, Error> {
     if positions.len() < least {
-        let rule = format!("hold at least {least}");
-        return Err(Error::value("positions", rule, positions.len().to_string()));
+        return Err(Error::value("positions", format!("hold at least {least}"), positions.len()));
     }
     for (row, position) in positions.iter().enumerate() {
         finite("positions", position).map_err(|error| error.at_row(row))?;
@@ -251,15 +248,13 @@ fn spread_names(
     if names.len() == positions.len() {
         return Ok(names);
     }
-    let rule = format!("hold {} names, one per position", positions.len());
-    Err(Error::value("names", rule, names.len().to_string()))
+    Err(Error::value("names", format!("hold {} names, one per position", positions.len()), names.len()))
 }
 
 /// Names and positions of the axles of a vehicle with so many wheels per side, front to rear.
 fn axles(per_side: usize, wheelbase: f64) -> Result<Vec<(String, f64)>, Error> {
     if !(1..=MAX_WHEELS / 2).contains(&per_side) {
-        let rule = format!("be 1 to {}", MAX_WHEELS / 2);
-        return Err(Error::value("wheels_per_side", rule, per_side.to_string()));
+        return Err(Error::value("wheels_per_side", format!("be 1 to {}", MAX_WHEELS / 2), per_side));
     }
     if per_side == 1 {
         return Ok(vec![(String::new(), 0.0)]);

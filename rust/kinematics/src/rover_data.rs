@@ -69,14 +69,12 @@ impl RoverData {
     /// Fails if a wheel is not well formed or two share a name. The solution is for who knows the estimate.
     pub fn new(wheels: Vec<Wheel>) -> Result<Self, Error> {
         if wheels.is_empty() || wheels.len() > MAX_WHEELS {
-            let rule = format!("hold 1 to {MAX_WHEELS} wheels");
-            return Err(Error::value("wheels", rule, wheels.len().to_string()));
+            return Err(Error::value("wheels", format!("hold 1 to {MAX_WHEELS} wheels"), wheels.len()));
         }
         for (i, wheel) in wheels.iter().enumerate() {
             wheel.check()?;
             if wheels[..i].iter().any(|other| other.name == wheel.name) {
-                let rule = "have a name each";
-                return Err(Error::value("wheels", rule, format!("{:?} twice", wheel.name)));
+                return Err(Error::value("wheels", "have a name each", format!("{:?} twice", wheel.name)));
             }
         }
         let steered = (0..wheels.len()).filter(|&i| wheels[i].steering().is_some()).collect();
@@ -118,7 +116,7 @@ impl RoverData {
     pub fn check_measured(&self, argument: &'static str, angles: &[f64]) -> Result<(), Error> {
         if angles.len() != self.steered.len() {
             let rule = format!("have {} angles, one per steered wheel", self.steered.len());
-            return Err(Error::value(argument, rule, angles.len().to_string()));
+            return Err(Error::value(argument, rule, angles.len()));
         }
         finite(argument, angles)?;
         for (angle, &i) in angles.iter().zip(&self.steered) {

@@ -47,8 +47,7 @@ impl SteeringRange {
         if self.lower.is_finite() && self.upper.is_finite() && self.lower < self.upper || self.is_endless() {
             return Ok(());
         }
-        let rule = "be finite, the lower angle below the upper";
-        Err(Error::value("steering_limit", rule, self.to_string()))
+        Err(Error::value("steering_limit", "be finite, the lower angle below the upper", self))
     }
 
     /// True if there are no ends.

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 use crate::estimate::Measured;
-use crate::geometry::Steps;
+use crate::geometry::{Steps, wrong_steps};
 use crate::rover_data::{Inputs, RoverData};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::sizes;
@@ -174,13 +174,7 @@ impl<'a> Durations<'a> {
     pub fn check(self, count: usize, block: usize) -> Result<f64, Error> {
         let (table, length) = match self {
             Self::Each(table, length) if length == count => (table, length),
-            Self::Each(_, length) => {
-                return Err(Error::value(
-                    "dt",
-                    format!("be one number or have {count} of them, one per step"),
-                    length.to_string(),
-                ));
-            }
+            Self::Each(_, length) => return Err(wrong_steps(count, length)),
             Self::Constant(dt) => return Steps::Constant(dt).check(count).map(|()| dt),
         };
         let mut buffer = Vec::new();

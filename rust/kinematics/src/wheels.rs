@@ -121,16 +121,14 @@ impl Wheel {
         }
         positive("radius", self.radius)?;
         if self.radius < TINY {
-            let rule = format!("be at least {TINY:e}");
-            return Err(Error::value("radius", rule, number(self.radius)));
+            return Err(Error::value("radius", format!("be at least {TINY:e}"), number(self.radius)));
         }
         let lengths =
             [("radius", self.radius), ("x", self.x), ("y", self.y), ("scrub", self.scrub), ("trail", self.trail)];
         for (argument, value) in lengths {
             finite(argument, &[value])?;
             if value.abs() >= HUGE {
-                let rule = format!("be smaller than {HUGE:e}");
-                return Err(Error::value(argument, rule, number(value)));
+                return Err(Error::value(argument, format!("be smaller than {HUGE:e}"), number(value)));
             }
         }
         finite("heading", &[self.heading])?;
@@ -186,7 +184,7 @@ impl Wheel {
 
     /// The two rows of a steered wheel without scrub and trail, whichever way it points: the velocity of its pivot,
     /// along the axes.
-    pub(crate) fn pivot_rows(&self) -> [Vector3<f64>; 2] {
+    pub fn pivot_rows(&self) -> [Vector3<f64>; 2] {
         [Vector3::new(1.0, 0.0, -self.y), Vector3::new(0.0, 1.0, self.x)]
     }
 

@@ -19,6 +19,12 @@ const TILE: usize = 8;
 #[repr(align(64))]
 pub struct Column(pub [f64; BLOCK]);
 
+impl Default for Column {
+    fn default() -> Self {
+        Self::ZERO
+    }
+}
+
 #[inline_always]
 impl Column {
     /// All zero.

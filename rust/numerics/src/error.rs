@@ -35,8 +35,9 @@ pub struct Error {
 
 impl Error {
     /// A wrong value.
-    pub fn value(argument: impl Into<Cow<'static, str>>, rule: impl Into<String>, value: impl Into<String>) -> Self {
-        Self { kind: ErrorKind::Value, argument: argument.into(), row: None, rule: rule.into(), value: value.into() }
+    pub fn value(argument: impl Into<Cow<'static, str>>, rule: impl ToString, value: impl ToString) -> Self {
+        let (rule, value) = (rule.to_string(), value.to_string());
+        Self { kind: ErrorKind::Value, argument: argument.into(), row: None, rule, value }
     }
 
     /// The end of a call that its caller does not want to go on.
@@ -138,5 +139,14 @@ pub fn positive(argument: impl Into<Cow<'static, str>>, value: f64) -> Result<()
         Ok(())
     } else {
         Err(Error::value(argument, "be finite and positive", number(value)))
+    }
+}
+
+/// Fails unless the value is finite and not negative.
+pub fn not_negative(argument: impl Into<Cow<'static, str>>, value: f64) -> Result<(), Error> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(())
+    } else {
+        Err(Error::value(argument, "be finite and not negative", number(value)))
     }
 }

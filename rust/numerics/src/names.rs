@@ -28,8 +28,7 @@ macro_rules! named_values {
 
             fn from_str(name: &str) -> Result<Self, Self::Err> {
                 let unknown = || {
-                    let rule = $crate::names::one_of(&[$($name),+]);
-                    $crate::error::Error::value($argument, rule, format!("{name:?}"))
+                    $crate::error::Error::value($argument, $crate::names::one_of(&[$($name),+]), format!("{name:?}"))
                 };
                 match name {
                     $($name => Ok(Self::$value),)+

@@ -198,8 +198,7 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
     /// `last` sample, after which the state is `current`.
     pub fn locate<'a>(&'a self, stamp: f64, last: Option<f64>, current: &'a S) -> Result<Instant<'a, S>, Error> {
         let Some(last) = last.filter(|_| stamp.is_finite()) else {
-            let rule = "be finite and follow a first sample";
-            return Err(Error::value("stamp", rule, number(stamp)));
+            return Err(Error::value("stamp", "be finite and follow a first sample", number(stamp)));
         };
         let is_empty = self.first == self.next;
         let oldest = if is_empty {

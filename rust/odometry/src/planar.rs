@@ -10,7 +10,7 @@ mod rows;
 mod update;
 mod whole_logs;
 
-use crate::health::Health;
+use crate::health::{Health, Refusal};
 use crate::history::{History, Snapshot};
 use crate::motion::Motion;
 use crate::propagation::covariance::Covariance3;
@@ -22,7 +22,7 @@ use crate::uncertainty::Uncertainty;
 use nalgebra::Matrix3;
 use six_wheel_kinematics::geometry::{Pose, Twist, Walk};
 use six_wheel_kinematics::rover::{Inputs, Rover};
-use six_wheel_numerics::error::{Error, HUGE, number, numbers};
+use six_wheel_numerics::error::{Error, HUGE, finite};
 
 /// The sample from which the next one counts.
 #[derive(Clone, Debug)]
@@ -230,10 +230,7 @@ impl Odometry {
     #[inline]
     pub fn set_pose(&mut self, pose: Pose, covariance: [[f64; 3]; 3]) -> Result<(), Error> {
         let covariance = check_covariance(covariance)?;
-        if covariance.iter().any(|value| !value.is_finite()) {
-            let rule = "be finite";
-            return Err(Error::value("covariance", rule, numbers(covariance.as_slice())));
-        }
+        finite("covariance", covariance.as_slice())?;
         check_pose(&<[f64; 3]>::from(pose))?;
         self.state.walk = Walk::new(pose.into());
         self.state.uncertainty.set(covariance);
@@ -259,19 +256,14 @@ impl Odometry {
     /// Open loop: the rover is taken to have held a commanded twist since the last stamp. The next sample is a
     /// first one.
     pub fn command(&mut self, twist: Twist, stamp: f64) -> Result<Health, Error> {
-        six_wheel_numerics::error::finite("twist", &<[f64; 3]>::from(twist))?;
-        if !stamp.is_finite() {
-            return Err(Error::value("stamp", "be finite", number(stamp)));
-        }
+        finite("twist", &<[f64; 3]>::from(twist))?;
+        finite("stamp", &[stamp])?;
         let Some(before) = self.stamp() else {
             self.commanded = Some(stamp);
             return Ok(Health::FIRST);
         };
         let dt = stamp - before;
-        if dt <= 0.0 {
-            let rule = format!("be later than the last one, {}", number(before));
-            return Err(Error::value("stamp", rule, number(stamp)));
-        }
+        Refusal::unless_later(dt, stamp, before).map_err(|refusal| refusal.error)?;
         let joints = self.rover.steered().len();
         let (mut steering, mut speeds) = (vec![0.0; joints], vec![0.0; self.rover.wheels().len()]);
         let inputs = Inputs { previous: Some(&self.reference.angles), ..Inputs::default() };

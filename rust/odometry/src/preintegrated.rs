@@ -23,7 +23,7 @@ pub use replay::PreintegratedMotion;
 pub use samples::Samples;
 use six_wheel_kinematics::geometry::Pose;
 use six_wheel_kinematics::rover::Rover;
-use six_wheel_numerics::error::{Error, ErrorKind, finite, number};
+use six_wheel_numerics::error::{Error, ErrorKind, finite, not_negative, number};
 use space::{Motion3, right_jacobian};
 
 /// Rows of a tangent in the plane among those in space.
@@ -95,13 +95,9 @@ impl Preintegrated {
             }
             options.settings.noise.yaw_rate = gyroscope.noise;
         }
-        if !(options.attitude_noise.is_finite() && options.attitude_noise >= 0.0) {
-            let rule = "be finite and not negative";
-            return Err(Error::value("attitude_noise", rule, number(options.attitude_noise)));
-        }
+        not_negative("attitude_noise", options.attitude_noise)?;
         if !options.settings.dimensions.is_empty() {
-            let rule = "be left out: a motion answers to each of them";
-            return Err(Error::value("dimensions", rule, "some"));
+            return Err(Error::value("dimensions", "be left out: a motion answers to each of them", "some"));
         }
         let odometry = Odometry::new(rover, options.settings.clone())?;
         Ok(Self { fresh: odometry.clone(), odometry, options, samples: Samples::default(), begins: 0.0, ends: 1.0 })
@@ -167,12 +163,10 @@ impl Preintegrated {
     #[inline]
     pub fn add(&mut self, sample: Sample<'_>, attitude: Option<[f64; 4]>) -> Result<(), Error> {
         if self.ends < 1.0 {
-            let rule = "belong to a motion that ends with a sample";
-            return Err(Error::value("stamp", rule, number(sample.stamp)));
+            return Err(Error::value("stamp", "belong to a motion that ends with a sample", number(sample.stamp)));
         }
         if sample.yaw.is_some() {
-            let rule = "be left out: a motion has no absolute yaw";
-            return Err(Error::value("yaw", rule, "one"));
+            return Err(Error::value("yaw", "be left out: a motion has no absolute yaw", "one"));
         }
         let attitude = self.checked(attitude)?;
         let bias = self.options.gyroscope.map_or(0.0, |gyroscope| gyroscope.bias);
@@ -187,13 +181,9 @@ impl Preintegrated {
         match (self.options.in_space, attitude) {
             (false, None) => Ok(None),
             (false, Some(_)) => {
-                let rule = "be left out in the plane (in_space=True takes it)";
-                Err(Error::value("attitude", rule, "one"))
+                Err(Error::value("attitude", "be left out in the plane (in_space=True takes it)", "one"))
             }
-            (true, None) => {
-                let rule = "come with every sample in space";
-                Err(Error::value("attitude", rule, "none"))
-            }
+            (true, None) => Err(Error::value("attitude", "come with every sample in space", "none")),
             (true, Some(attitude)) => {
                 finite("attitude", &attitude)?;
                 let length = attitude.iter().map(|part| part * part).sum::<f64>().sqrt();
@@ -294,8 +284,7 @@ impl Preintegrated {
     #[inline]
     pub fn split(&self, stamp: f64) -> Result<[Self; 2], Error> {
         let Some([begin, end]) = self.span() else {
-            let rule = "lie within the samples";
-            return Err(Error::value("stamp", rule, "one before any sample"));
+            return Err(Error::value("stamp", "lie within the samples", "one before any sample"));
         };
         if !(stamp >= begin && stamp <= end) {
             let rule = format!("be between {} and {}", number(begin), number(end));
@@ -335,8 +324,7 @@ impl Preintegrated {
             && (shared == 1) == (next.begins == 0.0)
             && (shared == 1 || self.ends == next.begins);
         if !fits {
-            let rule = format!("begin where this one ends, at {}", number(end));
-            return Err(Error::value("other", rule, number(begin)));
+            return Err(Error::value("other", format!("begin where this one ends, at {}", number(end)), number(begin)));
         }
         let counts = self.options.settings.readings == Readings::Increments;
         let agrees = (0..shared).all(|k| {
@@ -347,8 +335,7 @@ impl Preintegrated {
                 && (counts || read.clone().all(|(a, b)| a == b || a.is_nan() && b.is_nan()))
         });
         if !agrees {
-            let rule = "begin with the sample this one ends with";
-            return Err(Error::value("other", rule, "other readings"));
+            return Err(Error::value("other", "begin with the sample this one ends with", "other readings"));
         }
         let mut whole = self.clone();
         whole.append(next, shared..next.len())?;

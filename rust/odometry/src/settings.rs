@@ -12,7 +12,7 @@ use self::gyroscope::Gyroscope;
 use self::noise::Noise;
 use six_wheel_kinematics::estimate::Method;
 use six_wheel_kinematics::rover::Rover;
-use six_wheel_numerics::error::{Error, number};
+use six_wheel_numerics::error::{Error, not_negative, number};
 
 /// Slip that is flagged where the noise is the typical one, which nobody measured on this rover [m/s].
 const TYPICAL_SLIP: f64 = 0.05;
@@ -106,22 +106,14 @@ impl Settings {
         self.gyroscope.map_or(Ok(()), |known| known.check())?;
         self.dimensions.check_for(wheels)?;
         if !(self.wheel_noise.is_empty() || self.wheel_noise.len() == wheels) {
-            let rule = format!("hold {wheels} numbers");
-            let got = self.wheel_noise.len().to_string();
-            return Err(Error::value("wheel_noise", rule, got));
+            return Err(Error::value("wheel_noise", format!("hold {wheels} numbers"), self.wheel_noise.len()));
         }
-        for share in &self.wheel_noise {
-            if !(share.is_finite() && *share >= 0.0) {
-                let rule = "be finite and not negative";
-                return Err(Error::value("wheel_noise", rule, number(*share)));
-            }
-        }
+        self.wheel_noise.iter().try_for_each(|share| not_negative("wheel_noise", *share))?;
         let encoders =
             [("wheel_encoders", &self.wheel_encoders, wheels), ("steering_encoders", &self.steering_encoders, joints)];
         for (argument, encoders, count) in encoders {
             if encoders.len() > 1 && encoders.len() != count {
-                let rule = format!("be one encoder or {count}");
-                return Err(Error::value(argument, rule, encoders.len().to_string()));
+                return Err(Error::value(argument, format!("be one encoder or {count}"), encoders.len()));
             }
             encoders.iter().try_for_each(Encoder::check)?;
         }
@@ -138,13 +130,8 @@ impl Settings {
                 return Err(Error::value(argument, "be positive", number(value)));
             }
         }
-        for (argument, value) in [("smoothing", self.smoothing), ("lag", self.lag)] {
-            if !(value.is_finite() && value >= 0.0) {
-                let rule = "be finite and not negative";
-                return Err(Error::value(argument, rule, number(value)));
-            }
-        }
-        Ok(())
+        not_negative("smoothing", self.smoothing)?;
+        not_negative("lag", self.lag)
     }
 }
 

@@ -90,8 +90,7 @@ pub fn check_pose(pose: &[f64]) -> Result<(), Error> {
     if pose.iter().all(|part| part.abs() < HUGE) {
         return Ok(());
     }
-    let rule = format!("be smaller than {HUGE:e} in every part");
-    Err(Error::value("pose", rule, numbers(pose)))
+    Err(Error::value("pose", format!("be smaller than {HUGE:e} in every part"), numbers(pose)))
 }
 
 /// A variance from outside: one that sums of squares cannot be made of says nothing, like an infinite one.

@@ -90,10 +90,8 @@ impl Workspace {
         residual: &mut [f64],
     ) -> Result<bool, Error> {
         let [before, after] = motion.steering;
-        let too_large = || {
-            let rule = "be small enough for a finite pose and covariance";
-            Error::value("wheel_angles", rule, text(motion.turned))
-        };
+        let too_large =
+            || Error::value("wheel_angles", "be small enough for a finite pose and covariance", text(motion.turned));
         let increments = before.iter().zip(after).map(|(before, after)| after - before);
         if !motion.turned.iter().copied().chain(increments).all(|value| value.abs() < HUGE || value.is_nan()) {
             return Err(too_large());

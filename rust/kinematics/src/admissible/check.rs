@@ -154,6 +154,6 @@ fn infeasibility_error(rover: &RoverData, cause: InfeasibilityCause, twist: Twis
 }
 
 /// A failure at a motion that the rover cannot make.
-pub(crate) fn infeasible(rule: impl Into<String>, twist: Twist) -> Error {
+pub(crate) fn infeasible(rule: impl ToString, twist: Twist) -> Error {
     Error::value("twist", rule, numbers(&<[f64; 3]>::from(twist))).of_kind(ErrorKind::Infeasible)
 }

@@ -9,7 +9,7 @@
 
 use nalgebra::{Cholesky, Matrix3, Vector3};
 
-use super::keep::Keep;
+use super::Keep;
 use crate::admissible::cone::AdmissibleCone;
 use crate::rover_data::RoverData;
 use six_wheel_numerics::jacobi::Jacobi;

@@ -1,6 +1,7 @@
 //! Maps between twists and poses, row by row.
 
 use crate::geometry::Steps;
+use crate::se2::angles::MAX_LANES;
 pub use crate::se2::maps::Map;
 use six_wheel_numerics::error::{Error, LARGEST, bounded};
 use six_wheel_numerics::simd::lanes::Lanes;
@@ -8,9 +9,6 @@ use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::sizes::sum_of_sizes;
 use six_wheel_numerics::threads::workers::Workers;
-
-/// Lanes of the widest register.
-const MAX_LANES: usize = 8;
 
 /// A map of every row: of one row of numbers, or of two where it takes two, and how long it lasts [s].
 #[inline]

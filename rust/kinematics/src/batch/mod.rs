@@ -21,7 +21,6 @@
 //! **One row** goes the same way, but its lanes are the wheels, so nothing has to be woven: the constants are loaded from one
 //! array per number instead of being the same in every lane.
 
-mod blocks;
 mod maps;
 pub mod poses;
 mod rows;
@@ -40,3 +39,7 @@ pub use six_wheel_numerics::places::Places;
 pub use six_wheel_numerics::simd::level::Level;
 pub use six_wheel_numerics::threads::workers::Workers;
 pub use twists::{admissible, project};
+
+/// Rows that are read, or checked and written, at a time where that is not done for all rows at once: their
+/// numbers stay in the second-level cache.
+pub(crate) const BLOCK_ROWS: usize = 2048;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::blocks::BLOCK_ROWS;
+use super::BLOCK_ROWS;
 use crate::geometry::{Steps, Twist};
 use crate::pose_logs::integrate::{LARGEST_TOTAL, follow, place};
 use crate::pose_logs::logs::Logs;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::blocks::BLOCK_ROWS;
+use super::BLOCK_ROWS;
 use crate::estimate::Unseen;
 use crate::geometry::Twist;
 use crate::inverse::rows;

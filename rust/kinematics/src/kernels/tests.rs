@@ -52,32 +52,21 @@ fn rows_are_the_same_past_the_caches() -> Result<(), Error> {
         let readings = numbers(wheels * count);
         let log = Log { steering: &readings[..joints * count], speeds: &readings, steering_rates: None };
         for level in Level::available().into_iter() {
-            {
-                let mut others = vec![0.0; wheels * count];
-                is_the_same(joints * count, |steering, non_temporal| {
-                    let inputs = Inputs::default();
-                    rover.inverse_constants.solve_rows(
-                        level,
-                        twists.as_chunks().0,
-                        inputs,
-                        steering,
-                        &mut others,
-                        non_temporal,
-                    );
-                });
-                let mut others = vec![0.0; joints * count];
-                is_the_same(wheels * count, |speeds, non_temporal| {
-                    let inputs = Inputs::default();
-                    rover.inverse_constants.solve_rows(
-                        level,
-                        twists.as_chunks().0,
-                        inputs,
-                        &mut others,
-                        speeds,
-                        non_temporal,
-                    );
-                });
-            }
+            let (rows, inputs) = (twists.as_chunks().0, Inputs::default());
+            let mut others = vec![0.0; wheels * count];
+            is_the_same(joints * count, |steering, non_temporal| {
+                rover.inverse_constants.solve_rows(level, rows, inputs, steering, &mut others, non_temporal);
+            });
+            is_the_same(wheels * count, |speeds, non_temporal| {
+                rover.inverse_constants.solve_rows(
+                    level,
+                    rows,
+                    inputs,
+                    &mut others[..joints * count],
+                    speeds,
+                    non_temporal,
+                );
+            });
             is_the_same(3 * count, |twists, non_temporal| {
                 let (twists, unseen) = (twists.as_chunks_mut().0, Unseen::Refuse);
                 let solved = rover.forward_constants.solve_rows(level, &rover, log, unseen, twists, non_temporal);

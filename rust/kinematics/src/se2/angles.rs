@@ -7,7 +7,7 @@ use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, sin_cos};
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Lanes of the widest register.
-const MAX_LANES: usize = 8;
+pub(crate) const MAX_LANES: usize = 8;
 
 /// Whole turns in two parts: so many times the first, of up to [`MANY`], have no rounding.
 const TURN: [f64; 2] = {

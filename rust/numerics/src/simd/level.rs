@@ -173,8 +173,7 @@ impl FromStr for Level {
         let found = available.iter().find(|level| level.name() == name);
         found.copied().ok_or_else(|| {
             let names: Vec<_> = available.iter().map(|level| format!("{:?}", level.name())).collect();
-            let rule = format!("be one this machine has ({})", names.join(", "));
-            Error::value("level", rule, format!("{name:?}"))
+            Error::value("level", format!("be one this machine has ({})", names.join(", ")), format!("{name:?}"))
         })
     }
 }

@@ -186,9 +186,9 @@ mod tests {
                     pair.fill(row as f64);
                     one[0] += 1.0;
                     match row {
-                        3 | 29_000 => Err(Error::value("row", "work", row.to_string())),
+                        3 | 29_000 => Err(Error::value("row", "work", row)),
                         _ if none.is_empty() => Ok(()),
-                        _ => Err(Error::value("width", "be 0", none.len().to_string())),
+                        _ => Err(Error::value("width", "be 0", none.len())),
                     }
                 });
                 let told = result.err().map(|error| error.value);
@@ -232,7 +232,7 @@ mod tests {
             let result = workers.for_each(done.iter_mut().enumerate(), |(number, times)| {
                 *times += 1;
                 match number {
-                    5 | 900 => Err(Error::value("job", "work", number.to_string())),
+                    5 | 900 => Err(Error::value("job", "work", number)),
                     _ => Ok(()),
                 }
             });

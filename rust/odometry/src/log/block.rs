@@ -24,6 +24,7 @@ pub(crate) struct Rows<'a> {
 }
 
 /// Memory of a block that is the same for every rover.
+#[derive(Default)]
 pub struct LogBlock {
     pub dt: Column,
     /// 1 where a wheel slid further than the noise explains.
@@ -47,28 +48,6 @@ pub struct LogBlock {
     pub(crate) poses: [Column; 3],
     pub(crate) lever: [Column; 2],
     pub(crate) covariances: [Column; 9],
-}
-
-impl LogBlock {
-    pub fn new() -> Self {
-        Self {
-            dt: Column::ZERO,
-            slips: Column::ZERO,
-            is_read: Column::ZERO,
-            turn: Column::ZERO,
-            bias: Column::ZERO,
-            by_bias: [Column::ZERO; 3],
-            cross: [Column::ZERO; 3],
-            displacement: [Column::ZERO; 3],
-            twists: [Column::ZERO; 3],
-            own: [Column::ZERO; 6],
-            open: [Column::ZERO; 6],
-            heading: Column::ZERO,
-            poses: [Column::ZERO; 3],
-            lever: [Column::ZERO; 2],
-            covariances: [Column::ZERO; 9],
-        }
-    }
 }
 
 #[inline(always)]

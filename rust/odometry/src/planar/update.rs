@@ -13,7 +13,7 @@ use crate::settings::gyroscope;
 use crate::settings::gyroscope::{LIKELY, STANDING};
 use crate::uncertainty::Bias;
 use six_wheel_kinematics::geometry::Twist;
-use six_wheel_numerics::error::{Error, HUGE, number, numbers};
+use six_wheel_numerics::error::{Error, HUGE, finite, number, numbers};
 
 impl Odometry {
     /// Takes in a sample. On failure nothing has changed.
@@ -96,21 +96,14 @@ impl Odometry {
     }
 
     fn check_numbers(&self, sample: &Sample<'_>) -> Result<(), Error> {
-        six_wheel_numerics::error::finite("steering", sample.steering)?;
+        finite("steering", sample.steering)?;
         for (wheel, reading) in self.rover.wheels().iter().zip(sample.wheels) {
             if !(reading.is_finite() || reading.is_nan() && !wheel.driven) {
                 return Err(Error::value("wheel_angles", "be finite", numbers(sample.wheels)));
             }
         }
         let others = [("stamp", Some(sample.stamp)), ("yaw", sample.yaw), ("yaw_rate", sample.yaw_rate)];
-        for (argument, value) in others {
-            if let Some(value) = value
-                && !value.is_finite()
-            {
-                return Err(Error::value(argument, "be finite", number(value)));
-            }
-        }
-        Ok(())
+        others.into_iter().try_for_each(|(argument, value)| finite(argument, value.as_slice()))
     }
 
     /// Takes the sample as the one from which the next one counts.

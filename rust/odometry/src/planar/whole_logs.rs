@@ -86,7 +86,7 @@ impl LogOdometry for Odometry {
 
     #[inline(always)]
     fn blocks(&self) -> Option<(BlockScratch, LogBlock)> {
-        Some((self.block_scratch()?, LogBlock::new()))
+        Some((self.block_scratch()?, LogBlock::default()))
     }
 
     fn take_block(

@@ -65,8 +65,7 @@ impl Deviations {
         if self.is_empty() || self.wheels == wheels {
             return Ok(());
         }
-        let rule = format!("be of {wheels} wheels");
-        Err(Error::value("dimensions", rule, self.wheels.to_string()))
+        Err(Error::value("dimensions", format!("be of {wheels} wheels"), self.wheels))
     }
 
     /// Error of the displacement of a step by each of them.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use six_wheel_numerics::error::{Error, number};
+use six_wheel_numerics::error::{Error, finite, number, positive};
 
 /// An encoder as it is: how much it counts, through which gear, and where its counter starts over.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,15 +26,9 @@ impl Default for Encoder {
 impl Encoder {
     /// Fails unless every number makes sense.
     pub fn check(&self) -> Result<(), Error> {
-        let positive = |argument, value: Option<f64>| match value {
-            Some(value) if !(value.is_finite() && value > 0.0) => {
-                let rule = "be finite and positive";
-                Err(Error::value(argument, rule, number(value)))
-            }
-            _ => Ok(()),
-        };
-        positive("ticks_per_turn", self.resolution)?;
-        positive("wraps_at", self.modulus)?;
+        for (argument, value) in [("ticks_per_turn", self.resolution), ("wraps_at", self.modulus)] {
+            value.map_or(Ok(()), |value| positive(argument, value))?;
+        }
         if !(self.gear.is_finite() && self.gear != 0.0) {
             return Err(Error::value("gear_ratio", "be finite and not 0", number(self.gear)));
         }
@@ -42,10 +36,7 @@ impl Encoder {
             let rule = "be large enough, with gear_ratio, for a finite angle per tick";
             return Err(Error::value("ticks_per_turn", rule, number(self.resolution.unwrap_or(TAU))));
         }
-        if !self.offset.is_finite() {
-            return Err(Error::value("offset", "be finite", number(self.offset)));
-        }
-        Ok(())
+        finite("offset", &[self.offset])
     }
 
     /// Angle of the joint per count [rad].

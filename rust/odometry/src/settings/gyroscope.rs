@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::uncertainty::Bias;
-use six_wheel_numerics::error::{Error, number};
+use six_wheel_numerics::error::{Error, finite, not_negative};
 
 /// Rim speed below which a wheel stands [m/s]: an encoder that ticks at all is above it.
 pub(crate) const STANDING: f64 = 1e-3;
@@ -53,21 +53,13 @@ impl Gyroscope {
 
     /// Fails unless every number is finite and no deviation negative.
     pub fn check(&self) -> Result<(), Error> {
-        if !self.bias.is_finite() {
-            return Err(Error::value("bias", "be finite", number(self.bias)));
-        }
+        finite("bias", &[self.bias])?;
         let deviations = [
             ("noise", self.noise),
             ("bias_noise", self.bias_noise),
             ("bias_walk", self.bias_walk),
             ("scale_noise", self.scale_noise),
         ];
-        for (argument, value) in deviations {
-            if !(value.is_finite() && value >= 0.0) {
-                let rule = "be finite and not negative";
-                return Err(Error::value(argument, rule, number(value)));
-            }
-        }
-        Ok(())
+        deviations.into_iter().try_for_each(|(argument, value)| not_negative(argument, value))
     }
 }

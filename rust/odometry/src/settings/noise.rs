@@ -1,6 +1,6 @@
 //! Standard deviations of readings and wheels, and their growth.
 
-use six_wheel_numerics::error::{Error, number};
+use six_wheel_numerics::error::{Error, not_negative, positive};
 
 /// Standard deviations of readings and slip. Errors of different wheels and of different readings are
 /// independent.
@@ -54,19 +54,8 @@ impl Noise {
             ("yaw", self.yaw),
             ("yaw_rate", self.yaw_rate),
         ];
-        for (argument, value) in deviations {
-            if !(value.is_finite() && value >= 0.0) {
-                let rule = "be finite and not negative";
-                return Err(Error::value(argument, rule, number(value)));
-            }
-        }
-        match self.period {
-            Some(period) if !(period.is_finite() && period > 0.0) => {
-                let rule = "be finite and positive";
-                Err(Error::value("period", rule, number(period)))
-            }
-            _ => Ok(()),
-        }
+        deviations.into_iter().try_for_each(|(argument, value)| not_negative(argument, value))?;
+        self.period.map_or(Ok(()), |period| positive("period", period))
     }
 
     /// Factor of the variances of readings in a step, `period / dt`; 1 without a period.

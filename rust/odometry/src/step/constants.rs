@@ -161,7 +161,7 @@ impl Group {
                 self.steers[lane] = 1.0;
                 self.heading[lane] = wheel.heading;
                 self.per_count[1][lane] = encoders[1].angle_per_count();
-                [Vector3::new(1.0, 0.0, -wheel.y), Vector3::new(0.0, 1.0, wheel.x)]
+                wheel.pivot_rows()
             }
         };
         self.radius[lane] = wheel.radius;

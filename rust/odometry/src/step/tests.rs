@@ -101,7 +101,7 @@ fn every_level_has_the_same_bits() -> Result<(), Error> {
             };
             let mut scratch = log.block_scratch().ok_or_else(|| Error::value("memory", "be there", "none"))?;
             scratch.level = level;
-            let count = log.update_rows(&recording, 1, &mut scratch, &mut LogBlock::new(), &mut track);
+            let count = log.update_rows(&recording, 1, &mut scratch, &mut LogBlock::default(), &mut track);
             assert_eq!(count, ROWS - 1, "{}", level.name());
             assert_eq!(numbers(&best), numbers(&log), "{}", level.name());
         }
