@@ -211,7 +211,7 @@ def test_readings_and_increments():
     )
     np.testing.assert_allclose(ticks.poses, total.poses, atol=1e-12)
     for options, message in (
-        ({"readings": "increments"}, "readings must be 'angles', 'speeds' or 'ticks', got"),
+        ({"readings": "increments"}, "'increments': leave it out and give increments=True"),
         ({"readings": "ticks"}, "wheel_encoders must be given with readings='ticks', got None"),
         (
             {"readings": "speeds", "increments": True},

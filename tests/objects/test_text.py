@@ -29,6 +29,25 @@ CALLS = {
 }
 
 
+# Every preset, as the Rover or as its suspension.
+PRESETS = [
+    *((sw.Rover.preset(name), f"Rover.preset('{name}')") for name in sw.Rover.presets()),
+    *((sw.RockerBogie.preset(name), f"RockerBogie.preset('{name}')") for name in sw.RockerBogie.presets()),
+]
+
+
+@pytest.mark.parametrize(("one", "call"), PRESETS)
+def test_a_preset_is_told_by_its_name(one, call):
+    assert repr(one) == call
+    assert eval(repr(one), vars(sw)) == one
+
+
+def test_a_preset_is_told_with_its_steering_limit():
+    rover = sw.Rover.preset("perseverance", steering_limit=0.5)
+    assert repr(rover) == "Rover.preset('perseverance', steering_limit=0.5)"
+    assert eval(repr(rover), vars(sw)) == rover
+
+
 @pytest.mark.parametrize("name", sorted(kind.__name__ for kind in public_classes()))
 def test_representations_fit_one_line(name):
     one = samples()[name]

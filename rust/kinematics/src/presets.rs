@@ -100,8 +100,7 @@ pub const PRESETS: [Preset; 9] = [
 pub fn preset(name: &str, steering: Option<SteeringRange>) -> Result<Rover, Error> {
     let Some(preset) = PRESETS.iter().find(|preset| preset.name == name) else {
         let names: Vec<_> = PRESETS.iter().map(|preset| preset.name).collect();
-        let rule = format!("be one of {}", names.join(", "));
-        return Err(Error::value("name", rule, format!("{name:?}")));
+        return Err(Error::value("name", format!("be one of {}", names.join(", ")), format!("{name:?}")));
     };
     let published = preset.steering_limit.map(SteeringRange::symmetric).transpose()?;
     let range = steering.or(published).unwrap_or_default();
@@ -135,10 +134,18 @@ pub fn preset(name: &str, steering: Option<SteeringRange>) -> Result<Rover, Erro
     }?;
     match steering {
         Some(range) if rover.steered().is_empty() => {
-            let rule = "be left out for a rover that does not steer";
-            Err(Error::value("steering_limit", rule, range.to_string()))
+            Err(Error::value("steering_limit", "be left out for a rover that does not steer", range))
         }
         _ => Ok(rover),
+    }
+}
+
+impl Preset {
+    /// The preset that a rover equals, and the steering range where it is not the published one.
+    pub fn of(rover: &Rover) -> Option<(&'static str, Option<SteeringRange>)> {
+        let steering = rover.steered().first().and_then(|&wheel| rover.wheels()[wheel].steering());
+        let calls = PRESETS.iter().flat_map(|published| [(published.name, None), (published.name, steering)]);
+        calls.into_iter().find(|&(name, range)| preset(name, range).is_ok_and(|made| made == *rover))
     }
 }
 
@@ -147,9 +154,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_preset_is_a_rover() {
-        for published in PRESETS {
-            assert!(preset(published.name, None).is_ok(), "{}", published.name);
+    fn every_preset_is_a_rover_that_is_known_again() {
+        let range = SteeringRange { lower: -0.3, upper: 0.4 };
+        for Preset { name, .. } in PRESETS {
+            assert_eq!(preset(name, None).ok().and_then(|rover| Preset::of(&rover)), Some((name, None)));
+            if let Ok(rover) = preset(name, Some(range)) {
+                assert_eq!(Preset::of(&rover), Some((name, Some(range))));
+            }
         }
     }
 

@@ -17,7 +17,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyList, PyMapping, PyTuple};
-use six_wheel_kinematics::presets::PRESETS;
+use six_wheel_kinematics::presets::{PRESETS, Preset};
 use six_wheel_kinematics::rover::Rover as Core;
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::units::{self, Question};
@@ -328,6 +328,12 @@ impl Rover {
     fn __replace__<'py>(slf: &Bound<'py, Self>, changes: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
         Self::replace(slf, None, changes)
     }
+        if keywords.is_empty()
+            && let Some((name, range)) = Preset::of(&self.core)
+        {
+            let limit = range.map(|range| format!(", steering_limit={}", steering_limit(range)));
+            return Ok(format!("Rover.preset('{name}'{})", limit.unwrap_or_default()));
+        }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let keywords = self.keywords(py)?;

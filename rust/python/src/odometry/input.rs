@@ -42,7 +42,11 @@ fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]) ->
 /// The kind of readings by the arguments `readings` and `increments`; counts are angles in another unit.
 fn readings_of((readings, increments): (&str, bool), encoders: bool) -> PyResult<Readings> {
     let all = [("angles", Readings::Angles), ("speeds", Readings::Speeds), ("ticks", Readings::Angles)];
-    let kind = choice("readings", readings, |name| format!("'{name}'"), &all)?;
+    let got = |name: &str| match name {
+        "increments" => "'increments': leave it out and give increments=True".into(),
+        _ => format!("'{name}'"),
+    };
+    let kind = choice("readings", readings, got, &all)?;
     match (readings, increments) {
         ("ticks", _) if !encoders => Err(refuse("wheel_encoders", "be given with readings='ticks'", "None")),
         ("speeds", true) => Err(refuse("increments", "be left out with readings='speeds'", "True")),

@@ -6,7 +6,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_numerics::error::Error;
 use six_wheel_terrain::bounds::BoundsConstants;
-use six_wheel_terrain::suspension::{Bogie, Differential, Dimensions, JointRange, RockerBogie as Core, Steered};
+use six_wheel_terrain::suspension::{
+    Bogie, Differential, Dimensions, JointRange, PRESETS, RockerBogie as Core, Steered,
+};
 
 use super::base::{Suspension, joint_range, steering};
 use crate::classes::repr_of_call;
@@ -326,7 +328,11 @@ impl RockerBogie {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        repr_of_call("RockerBogie", [], &self.dimensions(py)?)
+        let preset = PRESETS.iter().find(|preset| Core::preset(preset.name).is_ok_and(|made| made == self.0));
+        preset.map_or_else(
+            || repr_of_call("RockerBogie", [], &self.dimensions(py)?),
+            |preset| Ok(format!("RockerBogie.preset('{}')", preset.name)),
+        )
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
