@@ -52,7 +52,7 @@ pub fn other_kind(argument: &str, kind: &str, value: &Bound<'_, PyAny>, remedy: 
         "" => String::new(),
         remedy => format!(": give {remedy}"),
     };
-    refuse_type(argument, &format!("be {kind}"), &format!("{shown}{remedy}"))
+    refuse_type(argument, format!("be {kind}"), format!("{shown}{remedy}"))
 }
 
 /// A number, a short text or None as it is, of another value its class with the article.

@@ -8,7 +8,7 @@ use six_wheel_kinematics::batch;
 use six_wheel_kinematics::geometry::{self as core, Steps};
 
 use crate::convert::{
-    AnyArray, OrRaise, Output, OutputOptions, Rows, Scalars, compute_rows, named, refuse, shape_text, together,
+    AnyArray, OrRaise, Output, OutputOptions, Rows, compute_rows, named, refuse, shape_text, together,
 };
 use crate::workers::any_workers;
 pub use integration::{Course, integrate, rollout};
@@ -39,13 +39,12 @@ functions! {
         let workers = any_workers(threads, None)?;
         let poses = Rows::read("poses", poses, 3)?;
         let &[count] = poses.leading.as_slice() else {
-            let got = format!("leading axes {}", shape_text(&poses.leading));
-            return Err(refuse("poses", "have shape (n + 1, 3)", &got));
+            return Err(refuse("poses", "have shape (n + 1, 3)", format!("leading axes {}", shape_text(&poses.leading))));
         };
         let Some(steps) = count.checked_sub(1) else {
             return Err(refuse("poses", "hold at least one pose", "shape (0, 3)"));
         };
-        let mut dt = Scalars::read("dt", dt)?;
+        let mut dt = Rows::read_numbers("dt", dt)?;
         dt.fit("dt", steps)?;
         let mut twists = Output::asked(py, (out, dtype), &[steps, 3])?;
         let (rows, steps, target) = (poses.triples(), dt.steps(), twists.triples());
@@ -117,7 +116,7 @@ fn over_time<'py>(
     let workers = any_workers(threads, None)?;
     let mut rows = Rows::read(argument, value, 3)?;
     let one = PyFloat::new(py, 1.0).into_any();
-    let mut dt = Scalars::read("dt", dt.unwrap_or(&one))?;
+    let mut dt = Rows::read_numbers("dt", dt.unwrap_or(&one))?;
     together([named(argument, &mut rows), named("dt", &mut dt)])?;
     match map {
         batch::Map::Log => dt.steps().check_positive(rows.count()),
@@ -187,14 +186,14 @@ functions! {
     as "(angle, *, out=None, dtype=None, threads=None)"
     -> PyResult<Bound<'py, PyAny>> {
         let workers = any_workers(threads, None)?;
-        let angles = Scalars::read_finite("angle", angle)?;
-        if angles.shape.is_empty() && out.is_none() && dtype.is_none() {
+        let angles = Rows::read_finite_numbers("angle", angle)?;
+        if angles.leading.is_empty() && out.is_none() && dtype.is_none() {
             let wrapped = core::wrap_angle(angles.flat()[0]);
             return Ok(wrapped.into_pyobject(py)?.into_any());
         }
-        let mut result = Output::asked(py, (out, dtype), &angles.shape)?;
+        let mut result = Output::asked(py, (out, dtype), &angles.leading)?;
         let (rows, targets) = (angles.flat(), result.flat().as_chunks_mut().0);
-        compute_rows(py, rows.len(), &angles.shape, || batch::fill(targets, workers, |k| [core::wrap_angle(rows[k])]))?;
+        compute_rows(py, rows.len(), &angles.leading, || batch::fill(targets, workers, |k| [core::wrap_angle(rows[k])]))?;
         result.finish_number(out)
     }
 }

@@ -18,7 +18,7 @@ pub use fastcall::install;
 use crate::convert::{OrRaise, Rows, numbers, one_twist_first};
 use crate::rover::Rover;
 use crate::state_lock::Shared;
-use input::{by_wheel, deviations, row, settings};
+use input::{by_wheel, deviations, settings};
 use state::{OdometryState, Spares};
 use values::{Gyroscope, Noise};
 
@@ -185,11 +185,11 @@ methods! { Odometry:
     ///     state is as before.
     fn update[&self, py: Python<'py>](steering, wheel_angles, stamp: f64, *, yaw: Option<f64> = None,
         yaw_rate: Option<f64> = None) -> PyResult<OdometryState> {
-        let steering = row("steering", steering, self.joints())?;
-        let wheels = row("wheel_angles", wheel_angles, self.wheels())?;
+        let steering = input::steering(steering, self.joints(), &[])?;
+        let wheels = Rows::read_one("wheel_angles", wheel_angles, self.wheels())?;
         let sample = Sample {
-            steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
-            wheels: wheels.as_ref().map_or(&[], Rows::flat),
+            steering: steering.as_ref().map_or(&[], Rows::flat),
+            wheels: wheels.flat(),
             stamp,
             yaw,
             yaw_rate,

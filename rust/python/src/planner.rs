@@ -11,7 +11,7 @@ use pyo3::types::{IntoPyDict, PyDict, PyTuple, PyType};
 use six_wheel_planner::{CycleInput, Mppi as Core, Options, Precision, State, Weights};
 
 use crate::controller::limits::Limits;
-use crate::convert::{Array, OrRaise, Output, Rows, compute_rows, number, one_row, out_tuple, refuse};
+use crate::convert::{Array, OrRaise, Out, Output, Results, Rows, compute_rows, number, one_row, refuse};
 use crate::rover::Rover;
 use crate::state_lock::{Shared, Turn};
 use crate::workers::any_workers;
@@ -173,7 +173,7 @@ methods! { Mppi:
             None => usual.footprint.clone(),
         };
         if footprint.len() > FOOTPRINT {
-            return Err(refuse("footprint", &format!("hold {FOOTPRINT} points at most"), &footprint.len().to_string()));
+            return Err(refuse("footprint", format!("hold {FOOTPRINT} points at most"), footprint.len()));
         }
         let options = Options {
             horizon: size(count("horizon", horizon, usual.horizon as u64)?),
@@ -272,12 +272,11 @@ methods! { Mppi:
         }
         let (costs, planner) = (extra.as_ref().map(Rows::flat), &mut *core);
         let outcome = compute_rows(py, rollouts, &[self.options.samples], || planner.weigh(costs, workers).cloned())?;
-        let [steering, speeds] = &mut outputs;
-        steering.flat().copy_from_slice(&outcome.steering);
-        speeds.flat().copy_from_slice(&outcome.speeds);
-        let [steering, speeds] = outputs;
+        let [steering, speeds] = outputs.flat();
+        steering.copy_from_slice(&outcome.steering);
+        speeds.copy_from_slice(&outcome.speeds);
         let blocked = map.is_some_and(|map| core.is_blocked(map));
-        MppiPlan::of(py, &outcome, blocked, core.state(), [steering.finish()?, speeds.finish()?])
+        MppiPlan::of(py, &outcome, blocked, core.state(), outputs.finish_arrays()?)
     }
 }
 
@@ -303,14 +302,14 @@ impl Mppi {
     fn restore(&self, py: Python<'_>, state: &Bound<'_, PyDict>) -> PyResult<()> {
         let item = |name: &str| {
             let found = state.get_item(name)?;
-            found.ok_or_else(|| refuse("state", &format!("have {name:?}"), "none"))
+            found.ok_or_else(|| refuse("state", format!("have {name:?}"), "none"))
         };
         let controls = Rows::read_table("controls", &item("controls")?, 3)?;
         let steering = Rows::read_one("steering", &item("steering")?, self.rover.get().joints())?;
         let cycle = whole("cycle", &item("cycle")?)?;
         let state = State {
             controls: controls.triples().to_vec(),
-            cycle: u32::try_from(cycle).map_err(|_| refuse("cycle", "be 0 to 2^32 - 1", &cycle.to_string()))?,
+            cycle: u32::try_from(cycle).map_err(|_| refuse("cycle", "be 0 to 2^32 - 1", cycle))?,
             steering: steering.flat().to_vec(),
             progress: number("progress", &item("progress")?)?,
         };
@@ -371,13 +370,11 @@ impl Mppi {
     }
 
     /// The outputs for steering angles and wheel speeds.
-    fn outputs<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> PyResult<[Output<'py>; 2]> {
+    fn outputs<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> PyResult<Results<'py, 2>> {
         let rover = self.rover.get();
-        let outs = out_tuple::<2>(out, "be a tuple of two arrays, steering and wheel_speeds")?;
-        Ok([
-            Output::new(py, "out.steering", outs[0].as_ref(), &[rover.joints()])?,
-            Output::new(py, "out.wheel_speeds", outs[1].as_ref(), &[rover.count()])?,
-        ])
+        let (labels, rule) =
+            (["out.steering", "out.wheel_speeds"], "be a tuple of two arrays, steering and wheel_speeds");
+        Out::read_all(out, labels, rule)?.results(py, [vec![rover.joints()], vec![rover.count()]], None, false)
     }
 
     /// Poses and motions of all rollouts.

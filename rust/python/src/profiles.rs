@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_control::profiles as core;
 
-use crate::convert::{OrRaise, Scalars, memory, scalar_or_array};
+use crate::convert::{OrRaise, Rows, memory, scalar_or_array};
 use inputs::{Values, axes};
 use made::{ConstructorCall, class, known_by_its_call, printed_by_its_call};
 pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
@@ -162,7 +162,7 @@ impl Profile {
     /// ValueError
     ///     If a time is not finite.
     fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        let times = Scalars::read_finite("times", times)?;
+        let times = Rows::read_finite_numbers("times", times)?;
         let width = self.core.width();
         let mut parts: [Vec<f64>; 4] = Default::default();
         let count = memory::count(&[times.flat().len(), width])?;
@@ -177,7 +177,7 @@ impl Profile {
                 }
             }
         }
-        let mut shape = times.shape.clone();
+        let mut shape = times.leading.clone();
         if self.is_vector {
             shape.push(width);
         }

@@ -123,16 +123,13 @@ impl Rover {
         let mut traction = read_joints(&core, &motors, "traction_joints", traction, TRACTION)?;
         let mut steering = read_joints(&core, core.steered(), "steering_joints", steering, STEERING)?;
         if let Some(joint) = steering.iter().find(|joint| traction.iter().any(|other| other.name == joint.name)) {
-            let rule = "differ from traction_joints";
-            let got = format!("{:?} in both", joint.name);
-            return Err(refuse("steering_joints", rule, &got));
+            return Err(refuse("steering_joints", "differ from traction_joints", format!("{:?} in both", joint.name)));
         }
         reverse(&fittings.reversed, &mut traction, &mut steering)?;
         let stands = |name: &&str| core.wheels().iter().any(|wheel| wheel.name == **name);
         if fittings.suspension.is_some() && !(WHEELS.iter().all(stands) && core.wheels().len() == 6) {
-            let rule = format!("be left out unless the wheels are {}", WHEELS.join(", "));
             let got = format!("{} wheels", core.wheels().len());
-            return Err(refuse("suspension", &rule, &got));
+            return Err(refuse("suspension", format!("be left out unless the wheels are {}", WHEELS.join(", ")), &got));
         }
         let wheels: Vec<Wheel> = core.wheels().iter().cloned().map(Wheel).collect();
         let wheels =
@@ -178,7 +175,7 @@ impl Rover {
 /// The wheels of a sequence.
 fn read_wheels(wheels: &Bound<'_, PyAny>) -> PyResult<Vec<Wheel>> {
     let refused = |place: &str, value: &Bound<'_, PyAny>| {
-        refuse_type("wheels", "be a sequence of Wheel", &format!("{}{place}", short_repr(value)))
+        refuse_type("wheels", "be a sequence of Wheel", format!("{}{place}", short_repr(value)))
     };
     if wheels.try_iter().is_err() || wheels.is_instance_of::<PyDict>() {
         return Err(refused("", wheels));
@@ -328,15 +325,15 @@ impl Rover {
     fn __replace__<'py>(slf: &Bound<'py, Self>, changes: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
         Self::replace(slf, None, changes)
     }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let keywords = self.keywords(py)?;
         if keywords.is_empty()
             && let Some((name, range)) = Preset::of(&self.core)
         {
             let limit = range.map(|range| format!(", steering_limit={}", steering_limit(range)));
             return Ok(format!("Rover.preset('{name}'{})", limit.unwrap_or_default()));
         }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let keywords = self.keywords(py)?;
         if keywords.is_empty()
             && let Some(([half, to_rear, to_middle, middle], radius, range)) = self.core.as_six_wheel()
         {

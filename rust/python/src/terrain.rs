@@ -12,9 +12,9 @@ use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 use six_wheel_terrain::terrain::{Heights, Interpolation, Sample, Terrain as Core, normal};
 
 use crate::arguments::{ArgumentKind, shown};
+use crate::classes::hash_of_numbers;
 use crate::convert::{
-    OrRaise, Output, OutputOptions, Rows, is_of_another_kind, memory, number, read_array, refuse, refuse_shape,
-    scalar_or_array, singles,
+    OrRaise, Output, OutputOptions, Rows, memory, pair, pair_or_one, read_array, refuse_shape, scalar_or_array, singles,
 };
 use crate::workers::{any_workers, fill_rows};
 
@@ -91,15 +91,6 @@ fn is_plain(heights: &Bound<'_, PyAny>) -> bool {
     is_array || heights.is_instance_of::<PyList>() || heights.is_instance_of::<PyTuple>()
 }
 
-/// One number for both, or two.
-fn pair(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
-    if let Ok(pair) = value.extract::<[f64; 2]>() {
-        return Ok(pair);
-    }
-    let one = number(argument, value)?;
-    Ok([one, one])
-}
-
 impl Terrain {
     #[allow(clippy::too_many_arguments)] // each is a thing of its own
     /// Asks for the ground at every row, and writes what `width` numbers it gives; NaN where nothing is known.
@@ -147,16 +138,8 @@ impl Terrain {
         yaw: f64,
     ) -> PyResult<Self> {
         let (heights, columns) = read_heights(heights)?;
-        let spacing = pair("spacing", spacing)?;
-        let origin = match origin.map(|origin| (origin, origin.extract::<[f64; 2]>())) {
-            None => [0.0; 2],
-            Some((_, Ok(origin))) => origin,
-            Some((origin, Err(error))) if is_of_another_kind(origin.py(), &error) => {
-                let got = origin.repr()?.to_string();
-                return Err(refuse("origin", "be two numbers", &got));
-            }
-            Some((_, Err(error))) => return Err(error),
-        };
+        let spacing = pair_or_one("spacing", spacing)?.unwrap_or_else(|one| [one; 2]);
+        let origin = origin.map_or(Ok([0.0; 2]), |origin| pair("origin", origin))?;
         let core = Core::new(heights, columns, spacing, origin, yaw);
         core.map(|core| Self(Arc::new(core))).or_raise(&[])
     }
@@ -355,9 +338,8 @@ impl Terrain {
         format!("Terrain(<{rows} x {columns} heights>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){turned})")
     }
 
-    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        let ([dx, dy], [x, y]) = (self.0.placement().spacing(), self.0.placement().origin());
-        let place = [dx, dy, x, y, self.0.placement().yaw()];
-        PyTuple::new(py, place)?.hash()
+    fn __hash__(&self) -> u64 {
+        let place = self.0.placement();
+        hash_of_numbers(place.spacing().into_iter().chain(place.origin()).chain([place.yaw()]))
     }
 }

@@ -9,7 +9,7 @@ use six_wheel_kinematics::units;
 use six_wheel_kinematics::wheels::{Pivot, Wheel as Core};
 
 use crate::classes::reduce;
-use crate::convert::{OrRaise, number, refuse};
+use crate::convert::{OrRaise, pair_or_one, refuse};
 use crate::unit_warnings::warn_units;
 
 /// One wheel of a rover: where its pivot is, which way it rolls, whether it steers.
@@ -50,14 +50,6 @@ use crate::unit_warnings::warn_units;
 #[pyclass(frozen, module = "six_wheel", from_py_object)]
 #[derive(Clone)]
 pub struct Wheel(pub Core);
-
-/// The two numbers of a pair, or the only one.
-pub fn pair_or_one(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Result<[f64; 2], f64>> {
-    let Ok([first, second]) = value.extract::<[Bound<'_, PyAny>; 2]>() else {
-        return number(argument, value).map(Err);
-    };
-    Ok(Ok([number(&format!("{argument}[0]"), &first)?, number(&format!("{argument}[1]"), &second)?]))
-}
 
 /// A symmetric limit, a pair of limits, or nothing.
 pub fn steering_range(limit: Option<&Bound<'_, PyAny>>) -> PyResult<Option<SteeringRange>> {
@@ -173,12 +165,10 @@ methods! { Wheel:
         let range = steering_range(steering_limit)?;
         if range.is_some() && !steered {
             let text = steering_limit.map_or_else(String::new, ToString::to_string);
-            let rule = "be left out for a wheel that is not steered";
-            return Err(refuse("steering_limit", rule, &text));
+            return Err(refuse("steering_limit", "be left out for a wheel that is not steered", &text));
         }
         if castor && (steered || driven == Some(true)) {
-            let rule = "be neither steered nor driven";
-            return Err(refuse("castor", rule, "a wheel that is"));
+            return Err(refuse("castor", "be neither steered nor driven", "a wheel that is"));
         }
         let pivot = match (castor, steered) {
             (true, _) => Pivot::Castor,

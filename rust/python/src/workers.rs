@@ -49,7 +49,7 @@ pub fn fill_rows<T: Send, const N: usize>(
 
 fn count(threads: i64) -> PyResult<usize> {
     let positive = usize::try_from(threads).ok().filter(|count| *count > 0);
-    positive.ok_or_else(|| refuse("threads", "be at least 1", &threads.to_string()))
+    positive.ok_or_else(|| refuse("threads", "be at least 1", threads))
 }
 
 /// SIMD levels this machine has, the best last: what `level=` takes.

@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use six_wheel_control::controller::Steps;
 
 use super::Controller;
-use crate::convert::{Results, Rows, Scalars, compute_rows, is_interrupted, memory};
+use crate::convert::{Results, Rows, compute_rows, is_interrupted, memory};
 use crate::rover::Rover;
 
 result_class! {
@@ -54,12 +54,12 @@ methods! { Controller:
     ///     If a step is not later than the one before it, a command is later than all of them, one of them is not
     ///     finite, or the shapes do not fit. The controller stays as it was.
     fn run[&self, py: Python<'py>](twists, stamps, step_stamps) -> PyResult<ControllerRun> {
-        let times = Scalars::read("step_stamps", step_stamps)?;
+        let times = Rows::read_numbers("step_stamps", step_stamps)?;
         let count = times.flat().len();
-        times.fit_exactly("step_stamps", &[count])?;
-        let stamps = Scalars::read("stamps", stamps)?;
+        times.check_leading("step_stamps", &[count])?;
+        let stamps = Rows::read_numbers("stamps", stamps)?;
         let commands = stamps.flat().len();
-        stamps.fit_exactly("stamps", &[commands])?;
+        stamps.check_leading("stamps", &[commands])?;
         let twists = Rows::read_over("twists", twists, 3, &[commands])?;
 
         let widths = [self.joints, self.joints, self.wheels, 3];

@@ -198,13 +198,13 @@ fn not_rectangular(argument: &str, value: &Bound<'_, PyAny>, error: PyErr) -> Py
         return error;
     }
     let kind = value.get_type().name().map_or_else(|_| "an object".into(), |name| name.to_string());
-    refuse(argument, "be numbers of one rectangular shape", &format!("a ragged {kind}"))
+    refuse(argument, "be numbers of one rectangular shape", format!("a ragged {kind}"))
 }
 
 /// A number of a constructor.
 pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     let py = value.py();
-    let refused = || refuse_type(argument, "be a number", &short_repr(value));
+    let refused = || refuse_type(argument, "be a number", short_repr(value));
     if value.is_instance_of::<PyBool>() {
         return Err(refused());
     }
@@ -213,13 +213,29 @@ pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     value.extract::<f64>().map_err(|error| if is_of_another_kind(py, &error) { refused() } else { error })
 }
 
+/// The two numbers of a pair, or the only one.
+pub fn pair_or_one(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Result<[f64; 2], f64>> {
+    let Ok([first, second]) = value.extract::<[Bound<'_, PyAny>; 2]>() else {
+        return number(argument, value).map(Err);
+    };
+    Ok(Ok([number(&format!("{argument}[0]"), &first)?, number(&format!("{argument}[1]"), &second)?]))
+}
+
+/// Two numbers.
+pub fn pair(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
+    value.extract().map_err(|error| match is_of_another_kind(value.py(), &error) {
+        true => refuse(argument, "be two numbers", short_repr(value)),
+        false => error,
+    })
+}
+
 /// The items of an iterable, `most` at most: more are none that could be meant.
 pub fn items<'py>(argument: &str, value: &Bound<'py, PyAny>, most: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let mut items = Vec::new();
     before_code_of(value)?;
     for item in value.try_iter()? {
         if items.len() == most {
-            return Err(refuse(argument, &format!("hold {most} at most"), "more"));
+            return Err(refuse(argument, format!("hold {most} at most"), "more"));
         }
         items.try_reserve(1).map_err(|_| memory::none_for(&[items.len()]))?;
         items.push(item?);

@@ -46,7 +46,7 @@ pub fn together<'a>(arguments: impl IntoIterator<Item = Named<'a>>) -> PyResult<
                 let unfit = |(_, other): &&Named<'a>| joint(other.leading(), value.leading()).is_none();
                 let beside = arguments[..k].iter().find(unfit).map_or("the others", |(other, _)| other);
                 let got = format!("shape {} beside {beside}", shape_text(&value.shape_over(value.leading())));
-                return Err(refuse(argument, &value.rule(&common), &got));
+                return Err(refuse(argument, value.rule(&common), &got));
             }
         };
     }

@@ -133,13 +133,13 @@ pub(super) fn check_finite(
 }
 
 /// "`argument` must `rule`, got `value`" for what only Python knows of.
-pub fn refuse(argument: &str, rule: &str, value: &str) -> PyErr {
-    exception::<PyValueError>(argument, &[], rule, value)
+pub fn refuse(argument: &str, rule: impl ToString, value: impl ToString) -> PyErr {
+    exception::<PyValueError>(argument, &[], &rule.to_string(), &value.to_string())
 }
 
 /// The same for a value of another type.
-pub fn refuse_type(argument: &str, rule: &str, value: &str) -> PyErr {
-    exception::<ArgumentTypeError>(argument, &[], rule, value)
+pub fn refuse_type(argument: &str, rule: impl ToString, value: impl ToString) -> PyErr {
+    exception::<ArgumentTypeError>(argument, &[], &rule.to_string(), &value.to_string())
 }
 
 /// The value of a name among a few, each with its own; `got` writes another name in the error.
@@ -147,13 +147,13 @@ pub fn choice<T: Copy>(argument: &str, name: &str, got: fn(&str) -> String, all:
     let found = all.iter().find(|(known, _)| *known == name);
     found.map(|(_, value)| *value).ok_or_else(|| {
         let names: Vec<&str> = all.iter().map(|(known, _)| *known).collect();
-        refuse(argument, &one_of(&names), &got(name))
+        refuse(argument, one_of(&names), got(name))
     })
 }
 
 /// The same for a value whose shape breaks the rule.
-pub fn refuse_shape(argument: &str, rule: &str, shape: &[usize]) -> PyErr {
-    refuse(argument, rule, &format!("shape {}", shape_text(shape)))
+pub fn refuse_shape(argument: &str, rule: impl ToString, shape: &[usize]) -> PyErr {
+    refuse(argument, rule, format!("shape {}", shape_text(shape)))
 }
 
 /// A shape as Python writes it.

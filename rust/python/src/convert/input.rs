@@ -1,21 +1,21 @@
 //! Rows of numbers on their way in: whatever `numpy.asarray` takes, as slices of `f64`.
 
+use std::fmt::Display;
+
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
-use six_wheel_kinematics::table::Table;
+use pyo3::types::PyFloat;
+use six_wheel_kinematics::geometry::Steps;
 
 use super::array::{read_array, three_numbers};
-use super::broadcast::{Broadcast, joined};
+use super::broadcast::Broadcast;
 use super::errors::{check_finite, refuse, refuse_shape, shape_text};
-use super::memory::{self, BorrowedArray, Memory, repeated};
+use super::memory::{self, Memory, repeated};
 use super::numpy_module::numpy;
-use super::strided::Strided;
 
-/// Numbers from which an array in another form is read block by block.
-const MANY: usize = 1 << 15;
-
-enum Data<'py> {
+pub(super) enum Data<'py> {
+    One(f64),
     Three([f64; 3]),
     Array(Memory<'py>),
     Owned(Vec<f64>),
@@ -23,10 +23,11 @@ enum Data<'py> {
 
 /// Rows of numbers, one after the other: leading axes are samples, the last axis has meaning.
 pub struct Rows<'py> {
-    data: Data<'py>,
+    pub(super) data: Data<'py>,
     /// Lengths of the leading axes.
     pub leading: Vec<usize>,
-    width: usize,
+    /// Length of the last axis; None where a row is one number, which has no axis of its own.
+    pub(super) last: Option<usize>,
 }
 
 impl<'py> Rows<'py> {
@@ -35,15 +36,35 @@ impl<'py> Rows<'py> {
         if width == 3
             && let Some(three) = three_numbers(value)
         {
-            return Ok(Self { data: Data::Three(three), leading: Vec::new(), width });
+            return Ok(Self { data: Data::Three(three), leading: Vec::new(), last: Some(width) });
         }
-        Self::of(argument, &read_array(argument, value)?, width)
+        Self::of(argument, &read_array(argument, value)?, Some(width))
     }
 
     /// The rows of an array of real numbers.
-    fn of(argument: &str, array: &Bound<'py, PyUntypedArray>, width: usize) -> PyResult<Self> {
-        let leading = leading(argument, array, width)?;
-        Ok(Self { data: Data::Array(contiguous(argument, array)?), leading, width })
+    pub(super) fn of(argument: &str, array: &Bound<'py, PyUntypedArray>, last: Option<usize>) -> PyResult<Self> {
+        let leading = last.map_or_else(|| Ok(array.shape().to_vec()), |width| leading(argument, array, width))?;
+        Ok(Self { data: Data::Array(contiguous(argument, array)?), leading, last })
+    }
+
+    /// Reads a number or an array of numbers, one a row.
+    pub fn read_numbers(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let one = |number| Self { data: Data::One(number), leading: Vec::new(), last: None };
+        if let Ok(float) = value.cast::<PyFloat>() {
+            return Ok(one(float.value()));
+        }
+        let numbers = Self::of(argument, &read_array(argument, value)?, None)?;
+        // The only number of an array is copied: the array may be written to.
+        Ok(match (numbers.leading.as_slice(), numbers.flat()) {
+            ([], [number]) => one(*number),
+            _ => numbers,
+        })
+    }
+
+    /// Reads a finite number or an array of finite numbers, one a row.
+    pub fn read_finite_numbers(argument: &'static str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let numbers = Self::read_numbers(argument, value)?;
+        numbers.check_finite(argument).map(|()| numbers)
     }
 
     /// Reads finite rows.
@@ -63,13 +84,13 @@ impl<'py> Rows<'py> {
         let Some(width) = widths.into_iter().find(|width| array.shape().last() == Some(width)) else {
             return Err(refuse_shape(argument, rule, array.shape()));
         };
-        let rows = Self::of(argument, &array, width)?;
+        let rows = Self::of(argument, &array, Some(width))?;
         rows.check_finite(argument).map(|()| rows)
     }
 
     /// Numbers of a row.
     pub fn width(&self) -> usize {
-        self.width
+        self.last.unwrap_or(1)
     }
 
     /// Reads an optional argument.
@@ -80,7 +101,7 @@ impl<'py> Rows<'py> {
     /// Reads a table: one leading axis.
     pub fn read_table(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
         let rows = Self::read(argument, value, width)?;
-        if rows.leading.len() == 1 { Ok(rows) } else { Err(rows.refuse_shape(argument, &format!("(n, {width})"))) }
+        if rows.leading.len() == 1 { Ok(rows) } else { Err(rows.refuse_shape(argument, format!("(n, {width})"))) }
     }
 
     /// Reads rows with these leading axes.
@@ -127,7 +148,7 @@ impl<'py> Rows<'py> {
 
     /// Lengths of all axes.
     pub fn shape(&self) -> Vec<usize> {
-        joined(&self.leading, self.width)
+        self.shape_over(&self.leading)
     }
 
     /// Fails unless every number is finite.
@@ -137,15 +158,34 @@ impl<'py> Rows<'py> {
 
     /// Fails unless every number is finite; a row that has no answer may also be NaN throughout.
     pub fn check_finite_where(&self, argument: &'static str, has_no_answer: impl Fn(usize) -> bool) -> PyResult<()> {
-        check_finite(argument, self.flat(), self.width, &self.leading, has_no_answer)
+        check_finite(argument, self.flat(), self.width(), &self.leading, has_no_answer)
     }
 
     /// All numbers, row after row.
     pub fn flat(&self) -> &[f64] {
         match &self.data {
+            Data::One(number) => std::slice::from_ref(number),
             Data::Three(three) => three,
             Data::Array(memory) => memory.numbers(),
             Data::Owned(values) => values,
+        }
+    }
+
+    /// The numbers as durations: one for all rows, or one each.
+    pub fn steps(&self) -> Steps<'_> {
+        match &self.data {
+            Data::One(number) => Steps::Constant(*number),
+            _ => Steps::Each(self.flat()),
+        }
+    }
+
+    /// Fails unless it is one number, or one for each of so many rows.
+    pub fn fit(&mut self, argument: &str, count: usize) -> PyResult<()> {
+        match self.leading.as_slice() {
+            [] => Ok(()),
+            [1] => self.spread(argument, &[count]),
+            _ if self.leading == [count] => Ok(()),
+            _ => Err(refuse_shape(argument, self.rule(&[count]), &self.leading)),
         }
     }
 
@@ -156,13 +196,13 @@ impl<'py> Rows<'py> {
 
     /// Fails unless it has these leading axes.
     pub fn check_leading(&self, argument: &str, leading: &[usize]) -> PyResult<()> {
-        let refused = || self.refuse_shape(argument, &shape_text(&joined(leading, self.width)));
+        let refused = || self.refuse_shape(argument, shape_text(&self.shape_over(leading)));
         if self.leading == leading { Ok(()) } else { Err(refused()) }
     }
 
     /// The error of rows in another shape than those that are wanted.
-    pub fn refuse_shape(&self, argument: &str, wanted: &str) -> PyErr {
-        refuse_shape(argument, &format!("have shape {wanted}"), &self.shape())
+    pub fn refuse_shape(&self, argument: &str, wanted: impl Display) -> PyErr {
+        refuse_shape(argument, format!("have shape {wanted}"), &self.shape())
     }
 
     /// All numbers as pairs.
@@ -198,15 +238,23 @@ impl Broadcast for Rows<'_> {
     }
 
     fn shape_over(&self, leading: &[usize]) -> Vec<usize> {
-        joined(leading, self.width)
+        leading.iter().copied().chain(self.last).collect()
     }
 
+    fn rule(&self, leading: &[usize]) -> String {
+        let number = if self.last.is_none() { "be one number or " } else { "" };
+        format!("{number}have shape {}", shape_text(&self.shape_over(leading)))
+    }
+
+    /// One number stays one.
     fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
-        let shape = joined(leading, self.width);
+        let shape = self.shape_over(leading);
+        if let Data::One(_) = self.data {
+            return Ok(());
+        }
         if let Data::Array(memory) = &self.data {
-            let was = joined(&self.leading, self.width);
-            let wide = repeated(&memory.source(&was)?, &was, &shape)?;
-            *self = Self::of(argument, &wide, self.width)?;
+            let wide = repeated(&memory.source(&self.shape())?, &self.shape(), &shape)?;
+            *self = Self::of(argument, &wide, self.last)?;
             return Ok(());
         }
         // A value that is no array is one row.
@@ -221,157 +269,18 @@ impl Broadcast for Rows<'_> {
     }
 }
 
-/// Rows that need not be one after the other: those of a large array in another form are read block by block.
-pub enum Blocks<'py> {
-    /// As the kernels take them.
-    Flat(Rows<'py>),
-    /// To be read a block at a time.
-    Strided {
-        strided: Strided,
-        leading: Vec<usize>,
-        width: usize,
-        /// Keeps the memory.
-        array: Bound<'py, PyUntypedArray>,
-        held: BorrowedArray,
-    },
-}
-
-impl<'py> Blocks<'py> {
-    /// As [`Rows::read`].
-    pub fn read(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
-        if width == 3 && three_numbers(value).is_some() {
-            return Rows::read(argument, value, width).map(Self::Flat);
-        }
-        Self::of(argument, &read_array(argument, value)?, width)
-    }
-
-    /// Reads an optional argument.
-    /// One number stays one.
-    pub fn read_optional(argument: &str, value: Option<&Bound<'py, PyAny>>, width: usize) -> PyResult<Option<Self>> {
-        value.map(|value| Self::read(argument, value, width)).transpose()
-    }
-
-    fn of(argument: &str, array: &Bound<'py, PyUntypedArray>, width: usize) -> PyResult<Self> {
-        if array.len() >= MANY
-            && !is_flat(array)
-            && let Some(strided) = Strided::of(array)
-        {
-            return Ok(Self::Strided {
-                strided,
-                leading: leading(argument, array, width)?,
-                width,
-                array: array.clone(),
-                held: memory::read(argument, array)?,
-            });
-        }
-        Rows::of(argument, array, width).map(Self::Flat)
-    }
-
-    fn width(&self) -> usize {
-        match self {
-            Self::Flat(rows) => rows.width,
-            Self::Strided { width, .. } => *width,
-        }
-    }
-
-    /// Lengths of all axes.
-    pub fn shape(&self) -> Vec<usize> {
-        joined(self.leading(), self.width())
-    }
-
-    /// Number of rows.
-    pub fn count(&self) -> usize {
-        self.leading().iter().product()
-    }
-
-    /// All numbers, for the batches.
-    pub fn table(&self) -> Table<'_> {
-        match self {
-            Self::Flat(rows) => Table::Flat(rows.flat()),
-            Self::Strided { strided, held, .. } => held.kept().map_or(Table::Read(strided), Table::Flat),
-        }
-    }
-
-    /// All of them one after the other, in a copy where they are not.
-    pub fn flat(self, argument: &str) -> PyResult<Rows<'py>> {
-        match self {
-            Self::Flat(rows) => Ok(rows),
-            Self::Strided { ref array, ref held, width, .. } => {
-                Rows::of(argument, &held.source(array, &self.shape())?, width)
-            }
-        }
-    }
-
-    /// The array as it was read, if one is.
-    fn source(&self) -> Option<PyResult<Bound<'py, PyUntypedArray>>> {
-        match self {
-            Self::Flat(Rows { data: Data::Array(memory), .. }) => Some(memory.source(&self.shape())),
-            Self::Strided { array, held, .. } => Some(held.source(array, &self.shape())),
-            Self::Flat(_) => None,
-        }
-    }
-
-    /// The array that is read, if one is.
-    fn array(&self) -> Option<&Bound<'py, PyUntypedArray>> {
-        match self {
-            Self::Flat(Rows { data: Data::Array(memory), .. }) => Some(memory.array()),
-            Self::Strided { array, .. } => Some(array),
-            Self::Flat(_) => None,
-        }
-    }
-
-    /// Lets go of the caller's array by copying it, so that the array may also be written to.
-    pub fn release_if(&mut self, written: &Bound<'py, PyAny>) -> PyResult<()> {
-        if !self.array().is_some_and(|array| array.is(written)) {
-            return Ok(());
-        }
-        let numbers = match self {
-            Self::Flat(rows) => memory::gathered(rows.flat().iter().copied())?,
-            Self::Strided { strided, held, .. } => match held.kept() {
-                Some(kept) => memory::gathered(kept.iter().copied())?,
-                None => strided.all()?,
-            },
-        };
-        *self = Self::Flat(Rows { data: Data::Owned(numbers), leading: self.leading().to_vec(), width: self.width() });
-        Ok(())
-    }
-}
-
-impl Broadcast for Blocks<'_> {
-    fn leading(&self) -> &[usize] {
-        match self {
-            Self::Flat(rows) => &rows.leading,
-            Self::Strided { leading, .. } => leading,
-        }
-    }
-
-    fn shape_over(&self, leading: &[usize]) -> Vec<usize> {
-        joined(leading, self.width())
-    }
-
-    fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
-        if let Some(array) = self.source() {
-            let wide = repeated(&array?, &self.shape(), &self.shape_over(leading))?;
-            *self = Self::of(argument, &wide, self.width())?;
-        } else if let Self::Flat(rows) = self {
-            rows.spread(argument, leading)?;
-        }
-        Ok(())
-    }
-}
-
 /// Lengths of the axes before the last one, which has this width.
-fn leading(argument: &str, array: &Bound<'_, PyUntypedArray>, width: usize) -> PyResult<Vec<usize>> {
+pub(super) fn leading(argument: &str, array: &Bound<'_, PyUntypedArray>, width: usize) -> PyResult<Vec<usize>> {
     let rule = || format!("have shape (..., {width})");
     match array.shape().split_last() {
         Some((last, leading)) if *last == width => Ok(leading.to_vec()),
-        Some(_) => Err(refuse_shape(argument, &rule(), array.shape())),
-        None => Err(refuse(argument, &rule(), "a number")),
+        Some(_) => Err(refuse_shape(argument, rule(), array.shape())),
+        None => Err(refuse(argument, rule(), "a number")),
     }
 }
 
 /// True for an array that is C-contiguous, aligned and of native `f64`.
-fn is_flat(array: &Bound<'_, PyUntypedArray>) -> bool {
+pub(super) fn is_flat(array: &Bound<'_, PyUntypedArray>) -> bool {
     let dtype = array.dtype();
     (dtype.kind(), dtype.itemsize()) == (b'f', size_of::<f64>())
         && dtype.is_native_byteorder() != Some(false)
@@ -381,7 +290,7 @@ fn is_flat(array: &Bound<'_, PyUntypedArray>) -> bool {
 
 /// C-contiguous, aligned and of native `f64`: the memory of the array itself where it is that already, a copy
 /// otherwise. What is copied is in use too: whether a result may go there does not depend on how it is laid out.
-pub(super) fn contiguous<'py>(argument: &str, array: &Bound<'py, PyUntypedArray>) -> PyResult<Memory<'py>> {
+fn contiguous<'py>(argument: &str, array: &Bound<'py, PyUntypedArray>) -> PyResult<Memory<'py>> {
     let py = array.py();
     let held = memory::read(argument, array)?;
     let array = if is_flat(array) {

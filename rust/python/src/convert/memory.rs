@@ -167,7 +167,7 @@ pub fn write(
     let (held, clash) = hold(array, Some(argument))?;
     let Some(clash) = clash else { return Ok(held) };
     if !clash.own {
-        return Err(refuse(argument, &rule(), "a read-only array or one in use"));
+        return Err(refuse(argument, rule(), "a read-only array or one in use"));
     }
     // Fields of one tuple go by the name of the tuple.
     let tuple = |name: &str| name.split_once('.').map(|(tuple, _)| tuple.to_owned());
@@ -178,8 +178,7 @@ pub fn write(
             _ => (other, argument.to_owned()),
         },
     };
-    let rule = format!("not overlap {other}");
-    Err(refuse(&argument, &rule, "shared memory"))
+    Err(refuse(&argument, format!("not overlap {other}"), "shared memory"))
 }
 
 /// The addresses of the elements of an array.

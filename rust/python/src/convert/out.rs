@@ -1,34 +1,48 @@
 //! `out=` of calls with several results.
 
+use std::borrow::Cow;
+
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use super::errors::refuse;
+use super::numpy_module::AnyArray;
 use super::output::{Output, Precision};
 
 /// The arrays of `out=`: the results in their order, as many as there are; the others are fresh, as are those that are None.
 pub struct Out<'py, const N: usize> {
     arrays: [Option<Bound<'py, PyAny>>; N],
-    /// True for one array instead of a tuple.
-    alone: bool,
+    /// Names of the arrays in errors; None: `out[0]` and so on, or `out` for one array instead of a tuple.
+    labels: Option<[&'static str; N]>,
+    is_alone: bool,
 }
 
 impl<'py, const N: usize> Out<'py, N> {
     fn fresh() -> Self {
-        Self { arrays: [const { None }; N], alone: false }
+        Self { arrays: [const { None }; N], labels: None, is_alone: false }
     }
 
     /// Of results with these names, one array instead of a tuple being the first of them: where that one is what is asked for.
     pub fn read_or_first(out: Option<&Bound<'py, PyAny>>, names: [&str; N]) -> PyResult<Self> {
         match out {
             Some(array) if !array.is_instance_of::<PyTuple>() => {
-                let mut read = Self::fresh();
+                let mut read = Self { is_alone: true, ..Self::fresh() };
                 read.arrays[0] = Some(array.clone());
-                read.alone = true;
                 Ok(read)
             }
             _ => Self::read(out, names),
         }
+    }
+
+    /// Of a tuple that has to hold an array for every result, which have these labels.
+    pub fn read_all(out: Option<&Bound<'py, PyAny>>, labels: [&'static str; N], rule: &str) -> PyResult<Self> {
+        let mut read = Self { labels: Some(labels), ..Self::fresh() };
+        let Some(out) = out else { return Ok(read) };
+        let Some(tuple) = out.cast::<PyTuple>().ok().filter(|tuple| tuple.len() == N) else {
+            return Err(refuse("out", rule, out.get_type().name()?));
+        };
+        read.arrays = std::array::from_fn(|k| tuple.get_item(k).ok());
+        Ok(read)
     }
 
     /// Of results with these names.
@@ -36,8 +50,7 @@ impl<'py, const N: usize> Out<'py, N> {
         let mut read = Self::fresh();
         let Some(out) = out else { return Ok(read) };
         let wrong = |rule: &str, got: &str| {
-            let rule = format!("{rule} for ({}) or the first of these", names.join(", "));
-            refuse("out", &rule, got)
+            refuse("out", format!("{rule} for ({}) or the first of these", names.join(", ")), got)
         };
         let Ok(tuple) = out.cast::<PyTuple>() else {
             let got = out.get_type().name()?.to_string();
@@ -52,21 +65,38 @@ impl<'py, const N: usize> Out<'py, N> {
         Ok(read)
     }
 
+    /// The caller's array for a result.
+    pub fn array(&self, k: usize) -> Option<&Bound<'py, PyAny>> {
+        self.arrays[k].as_ref()
+    }
+
     /// True if the caller has an array for any result.
     pub fn is_given(&self) -> bool {
         self.arrays.iter().any(Option::is_some)
     }
 
-    /// The results, of these shapes. `fails`: the call may yet fail, and the caller's arrays are written only when it has
-    /// not.
-    pub fn results(self, py: Python<'py>, shapes: [Vec<usize>; N], fails: bool) -> PyResult<Results<'py, N>> {
-        let mut k = 0;
+    fn label(&self, k: usize) -> Cow<'static, str> {
+        match self.labels {
+            Some(labels) => labels[k].into(),
+            None if self.is_alone => "out".into(),
+            None => format!("out[{k}]").into(),
+        }
+    }
+
+    /// The results, of these shapes and of this precision where an array is fresh. `fails`: the call may yet fail, and the
+    /// caller's arrays are written only when it has not.
+    pub fn results(
+        self,
+        py: Python<'py>,
+        shapes: [Vec<usize>; N],
+        precision: Option<Precision>,
+        fails: bool,
+    ) -> PyResult<Results<'py, N>> {
+        let mut k = 0..N;
         let outputs = try_map(shapes, |shape| {
-            let argument = if self.alone { "out".to_owned() } else { format!("out[{k}]") };
-            let array = self.arrays[k].as_ref();
-            k += 1;
-            let output = Output::of(py, &argument, array, None, &shape)?;
-            if fails && array.is_some() { output.beside() } else { Ok(output) }
+            let k = k.next().unwrap_or_default();
+            let output = Output::of(py, &self.label(k), self.array(k), precision, &shape)?;
+            if fails && self.array(k).is_some() { output.beside() } else { Ok(output) }
         })?;
         Ok(Results { outputs, arrays: self.arrays })
     }
@@ -81,24 +111,12 @@ pub struct Results<'py, const N: usize> {
 impl<'py, const N: usize> Results<'py, N> {
     /// Fresh arrays of these shapes.
     pub fn fresh(py: Python<'py>, shapes: [Vec<usize>; N]) -> PyResult<Self> {
-        let outputs = try_map(shapes, |shape| Output::fresh(py, &shape))?;
-        Ok(Self { outputs, arrays: [const { None }; N] })
+        Out::fresh().results(py, shapes, None, false)
     }
 
-    /// Results in the arrays of a tuple, those that are None fresh; by these names in errors.
-    pub fn named(
-        py: Python<'py>,
-        arrays: [Option<Bound<'py, PyAny>>; N],
-        names: [&str; N],
-        precision: Option<Precision>,
-        shapes: [Vec<usize>; N],
-    ) -> PyResult<Self> {
-        let mut given = names.into_iter().zip(&arrays);
-        let outputs = try_map(shapes, |shape| {
-            let (name, array) = given.next().unwrap_or(("out", &None));
-            Output::of(py, name, array.as_ref(), precision, &shape)
-        })?;
-        Ok(Self { outputs, arrays })
+    /// True if the caller does not see what a failing call has written.
+    pub fn are_unseen(&self) -> bool {
+        self.outputs.iter().all(Output::is_unseen)
     }
 
     /// The memory to write to, row after row.
@@ -109,6 +127,11 @@ impl<'py, const N: usize> Results<'py, N> {
     /// The arrays to return.
     pub fn finish_arrays(self) -> PyResult<[Py<PyAny>; N]> {
         try_map(self.outputs, Output::finish_object)
+    }
+
+    /// The same, of any precision.
+    pub fn finish_any(self) -> PyResult<[AnyArray<'py>; N]> {
+        try_map(self.outputs, Output::finish_any)
     }
 
     /// The arrays to return, and a number for each that has no axes and for which the caller has no array.
@@ -125,16 +148,4 @@ impl<'py, const N: usize> Results<'py, N> {
 fn try_map<T, U, const N: usize>(values: [T; N], map: impl FnMut(T) -> PyResult<U>) -> PyResult<[U; N]> {
     let mapped: Vec<U> = values.into_iter().map(map).collect::<PyResult<_>>()?;
     mapped.try_into().map_err(|_| refuse("out", "hold every result", "fewer"))
-}
-
-/// The arrays of an `out=` that has to be a tuple of just so many; none if it is left out.
-pub fn out_tuple<'py, const N: usize>(
-    out: Option<&Bound<'py, PyAny>>,
-    rule: &str,
-) -> PyResult<[Option<Bound<'py, PyAny>>; N]> {
-    let Some(out) = out else { return Ok([const { None }; N]) };
-    match out.cast::<PyTuple>().ok().filter(|tuple| tuple.len() == N) {
-        Some(tuple) => Ok(std::array::from_fn(|k| tuple.get_item(k).ok())),
-        None => Err(refuse("out", rule, &out.get_type().name()?.to_string())),
-    }
 }

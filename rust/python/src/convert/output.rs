@@ -37,16 +37,15 @@ impl Precision {
             strided::keep_read(py)?; // it may run code of the caller's
         }
         let known = numpy(py)?.call_method1(intern!(py, "dtype"), (dtype,));
-        let known = known.map_err(|_| refuse("dtype", rule, &short_repr(dtype)))?;
+        let known = known.map_err(|_| refuse("dtype", rule, short_repr(dtype)))?;
         let known = known.cast_into::<PyArrayDescr>()?;
         if out.is_some() {
-            let rule = "be left out with out, which has its own";
-            return Err(refuse("dtype", rule, &known.to_string()));
+            return Err(refuse("dtype", "be left out with out, which has its own", known));
         }
         match (known.kind(), known.itemsize(), known.is_native_byteorder()) {
             (b'f', 8, Some(true)) => Ok(Some(Self::Double)),
             (b'f', 4, Some(true)) => Ok(Some(Self::Single)),
-            _ => Err(refuse("dtype", rule, &known.to_string())),
+            _ => Err(refuse("dtype", rule, known)),
         }
     }
 }
@@ -93,11 +92,11 @@ impl<'py> Output<'py> {
         shape: &[usize],
     ) -> PyResult<Self> {
         ready(py)?;
-        if let Some(array) = out.and_then(|out| out.cast::<PyArrayDyn<f32>>().ok()) {
-            return Self::into(py, argument, array.as_untyped(), shape);
+        if let Some(out) = out {
+            return Self::into(py, argument, out, shape);
         }
         if precision != Some(Precision::Single) {
-            return Self::new(py, argument, out, shape);
+            return Self::fresh(py, shape);
         }
         memory::count(shape)?;
         let zeros = numpy(py)?.call_method1(intern!(py, "zeros"), (shape.to_vec(), "f"))?;
@@ -111,38 +110,28 @@ impl<'py> Output<'py> {
         })
     }
 
-    /// The caller's `out`, checked, or a fresh array of this shape. Every argument that is read has to be read
-    /// before: what is in use is not written to.
-    pub fn new(py: Python<'py>, argument: &str, out: Option<&Bound<'py, PyAny>>, shape: &[usize]) -> PyResult<Self> {
-        let Some(out) = out else { return Self::fresh(py, shape) };
-        ready(py)?;
+    /// Into the caller's array of `f64` or `f32`, checked. Every argument that is read has to be read before: what is in use
+    /// is not written to.
+    fn into(py: Python<'py>, argument: &str, out: &Bound<'py, PyAny>, shape: &[usize]) -> PyResult<Self> {
         let rule = || rule(shape);
-        let array = out.cast::<PyArrayDyn<f64>>().map_err(|_| {
-            let got = match out.cast::<numpy::PyUntypedArray>() {
-                Ok(array) => format!("an array of dtype {}", array.dtype()),
-                Err(_) => out.get_type().to_string(),
-            };
-            refuse_type(argument, &rule(), &got)
-        })?;
-        Self::into(py, argument, array.as_untyped(), shape)
-    }
-
-    /// Into the caller's array of `f64` or `f32`, checked.
-    fn into(py: Python<'py>, argument: &str, array: &Bound<'py, PyUntypedArray>, shape: &[usize]) -> PyResult<Self> {
-        let rule = || rule(shape);
+        let flat = out.cast::<PyArrayDyn<f64>>().ok();
+        let array = match out.cast::<PyUntypedArray>() {
+            Ok(array) if flat.is_some() || out.cast::<PyArrayDyn<f32>>().is_ok() => array,
+            Ok(array) => return Err(refuse_type(argument, rule(), format!("an array of dtype {}", array.dtype()))),
+            Err(_) => return Err(refuse_type(argument, rule(), out.get_type())),
+        };
         if array.shape() != shape {
-            return Err(refuse_shape(argument, &rule(), array.shape()));
+            return Err(refuse_shape(argument, rule(), array.shape()));
         }
         // SAFETY: a live array object has a valid header.
         let flags = unsafe { (*array.as_array_ptr().cast::<PyArrayObject>()).fields.flags };
         if flags & (NPY_ARRAY_WRITEABLE | WARN_ON_WRITE) != NPY_ARRAY_WRITEABLE {
-            return Err(refuse(argument, &rule(), "a read-only array or one in use"));
+            return Err(refuse(argument, rule(), "a read-only array or one in use"));
         }
         if !memory::places(array).are_apart() {
             return Err(refuse(argument, "not overlap itself", "shared memory"));
         }
         let held = memory::write(argument, rule, array)?;
-        let flat = array.cast::<PyArrayDyn<f64>>().ok();
         let flat = flat.filter(|array| array.is_c_contiguous() && array.is_aligned());
         let beside = match flat {
             Some(_) => None,
@@ -152,7 +141,7 @@ impl<'py> Output<'py> {
             data: match (&beside, flat) {
                 (Some(beside), _) => data(beside),
                 (None, Some(array)) => data(array),
-                (None, None) => return Err(refuse(argument, &rule(), "another array")),
+                (None, None) => return Err(refuse(argument, rule(), "another array")),
             },
             count: memory::count(shape)?,
             array: array.clone(),

@@ -17,7 +17,7 @@ fn check_class(argument: &str, given: &Bound<'_, PyAny>, class: &str) -> PyResul
     if given.is_instance(&value(given.py(), class)?)? {
         return Ok(());
     }
-    Err(refuse_type(argument, &format!("be a {class}"), &given.get_type().name()?.to_string()))
+    Err(refuse_type(argument, format!("be a {class}"), given.get_type().name()?))
 }
 
 /// One angle per axle.
@@ -30,7 +30,7 @@ pub fn drives(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<Drives> {
     let items = items(argument, given, 5)?;
     let mut drives: Drives = [None; 4];
     if items.len() != drives.len() {
-        return Err(refuse(argument, "have shape (4,)", &format!("{} values", items.len())));
+        return Err(refuse(argument, "have shape (4,)", format!("{} values", items.len())));
     }
     for (drive, item) in drives.iter_mut().zip(&items) {
         if !item.is_none() {

@@ -9,8 +9,8 @@ use six_wheel_planner::Present;
 
 use crate::controller::limits::Limits;
 use crate::convert::{
-    AnyArray, Blocks, Broadcast, Output, Precision, Rows, Scalars, compute, compute_rows, joined, joint, memory,
-    number, raise, refuse, refuse_shape, shape_text,
+    AnyArray, Blocks, Broadcast, Output, Precision, Rows, compute, compute_rows, joined, joint, memory, number, raise,
+    refuse, refuse_shape, shape_text,
 };
 use crate::rover::Rover;
 use crate::workers::{any_workers, workers};
@@ -19,7 +19,7 @@ use crate::workers::{any_workers, workers};
 pub struct Course<'py> {
     argument: &'static str,
     pub twists: Blocks<'py>,
-    dt: Scalars<'py>,
+    dt: Rows<'py>,
     starts: Option<Rows<'py>>,
     /// Steps of a log.
     pub count: usize,
@@ -41,14 +41,13 @@ impl<'py> Course<'py> {
             && starts.leading != logs
         {
             let Some(common) = joint(logs, &starts.leading) else {
-                let got = format!("leading axes {}", shape_text(&starts.leading));
                 let rule = format!("be one pose or have leading axes {}", shape_text(logs));
-                return Err(refuse("start", &rule, &got));
+                return Err(refuse("start", &rule, format!("leading axes {}", shape_text(&starts.leading))));
             };
             starts.spread("start", &common)?;
             twists.spread(argument, &joined(&common, count))?;
         }
-        let mut dt = Scalars::read("dt", dt)?;
+        let mut dt = Rows::read_numbers("dt", dt)?;
         dt.fit("dt", count)?;
         Ok(Self { argument, twists, dt, starts, count })
     }

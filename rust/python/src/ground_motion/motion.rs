@@ -74,15 +74,14 @@ methods! { Suspension:
         if let Some(limit) = max_wheel_speed {
             how.wheel_speed = number("max_wheel_speed", limit)?;
             if how.wheel_speed.is_nan() || how.wheel_speed <= 0.0 {
-                let got = how.wheel_speed.to_string();
-                return Err(refuse("max_wheel_speed", "be positive", &got));
+                return Err(refuse("max_wheel_speed", "be positive", how.wheel_speed));
             }
         }
         let workers = any_workers(threads, level)?;
         let out = Out::read(out, ["steering", "wheel_speeds", "twist", "joint_rates", "scale"])?;
         let single = leading.is_empty() && !out.is_given();
         let [a, b, c, d] = [steered, wheels, 6, joints].map(|width| joined(&leading, width));
-        let mut results = out.results(py, [a, b, c, d, leading.clone()], true)?;
+        let mut results = out.results(py, [a, b, c, d, leading.clone()], None, true)?;
         let footings = stands.footings();
         let [angles, speeds, twists, rates, scales] = results.flat();
         let asked = Commands { steering: angles, speeds, twists: twists.as_chunks_mut().0, joint_rates: rates, scales };
@@ -167,7 +166,7 @@ methods! { Suspension:
             let mut numbers = rows.into_iter().flat_map(|rows| rows.flat());
             if let Some(rate) = numbers.find(|rate| rate.abs() >= LARGEST) {
                 let rule = if rate.is_infinite() { "be finite".into() } else { format!("be smaller than {LARGEST:e}") };
-                return Err(refuse(name, &format!("{rule}, or NaN where not measured"), &format!("{rate:?}")));
+                return Err(refuse(name, format!("{rule}, or NaN where not measured"), format!("{rate:?}")));
             }
         }
         let weights = weights.map(|weights| self.read_weights(weights)).transpose()?;
@@ -175,7 +174,7 @@ methods! { Suspension:
         let workers = any_workers(threads, level)?;
         let shapes = [joined(&leading, 6), joined(&leading, joints), joined(&joined(&leading, wheels), 3)];
         let out = Out::read_or_first(out, ["twist", "joint_rates", "residuals"])?;
-        let mut results = out.results(py, shapes, false)?;
+        let mut results = out.results(py, shapes, None, false)?;
         let footings = stands.footings();
         let readings = ReadingRows {
             steering: steering.as_ref().map(Rows::flat),
@@ -203,7 +202,7 @@ impl Suspension {
             _ => {
                 let rows = Rows::read("weights", value, 2)?;
                 if rows.leading != [wheels] {
-                    return Err(rows.refuse_shape("weights", &format!("({wheels},) or ({wheels}, 2)")));
+                    return Err(rows.refuse_shape("weights", format!("({wheels},) or ({wheels}, 2)")));
                 }
                 rows
             }
@@ -211,7 +210,7 @@ impl Suspension {
         let weights = rows.flat().to_vec();
         match weights.iter().find(|weight| !(weight.is_finite() && **weight >= 0.0)) {
             None => Ok(weights),
-            Some(weight) => Err(refuse("weights", "be finite and not negative", &weight.to_string())),
+            Some(weight) => Err(refuse("weights", "be finite and not negative", weight)),
         }
     }
 }

@@ -65,14 +65,9 @@ getters! { GroundCommand, self, py:
 repr_of_attributes! { GroundCommand: steering wheel_speeds }
 
 pickled_by_fields! { GroundCommand, this, py:
-    (
-        steering: Py<PyAny> = this.steering(py)?,
-        wheel_speeds: Py<PyAny> = this.wheel_speeds(py)?,
-        twist: Py<PyAny> = this.twist(py)?,
-        joint_rates: Py<PyAny> = this.joint_rates(py)?,
-        scale: Py<PyAny> = this.scale(py)?,
-    )
-    Self(Columns::Batch([steering, wheel_speeds, twist, joint_rates, scale]))
+    (columns: [Py<PyAny>; 5] =
+        [this.steering(py)?, this.wheel_speeds(py)?, this.twist(py)?, this.joint_rates(py)?, this.scale(py)?],)
+    Self(Columns::Batch(columns))
 }
 
 #[pymethods]
@@ -127,10 +122,6 @@ getters! { GroundMotion, self, py:
 repr_of_attributes! { GroundMotion: twist joint_rates }
 
 pickled_by_fields! { GroundMotion, this, py:
-    (
-        twist: Py<PyAny> = this.twist(py)?,
-        joint_rates: Py<PyAny> = this.joint_rates(py)?,
-        residuals: Py<PyAny> = this.residuals(py)?,
-    )
-    Self(Columns::Batch([twist, joint_rates, residuals]))
+    (columns: [Py<PyAny>; 3] = [this.twist(py)?, this.joint_rates(py)?, this.residuals(py)?],)
+    Self(Columns::Batch(columns))
 }

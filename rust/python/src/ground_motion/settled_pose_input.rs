@@ -6,7 +6,7 @@ use six_wheel_terrain::ground;
 use six_wheel_terrain::suspension::Chain;
 
 use crate::arguments::other_kind;
-use crate::convert::{Broadcast, Rows, Scalars, joined, refuse_shape, rows_over, shape_text};
+use crate::convert::{Broadcast, Rows, joined, refuse_shape, rows_over, shape_text};
 use crate::settle::Stand;
 
 /// Settled poses: the result of `settle`, or an object with the same attributes. Read once for all rows.
@@ -46,8 +46,8 @@ impl Repeated {
 /// Attributes of an object like `SettledPose`.
 pub struct Attributes<'py> {
     leading: Vec<usize>,
-    roll: Scalars<'py>,
-    pitch: Scalars<'py>,
+    roll: Rows<'py>,
+    pitch: Rows<'py>,
     transform: Rows<'py>,
     joints: Option<Rows<'py>>,
     steering: Option<Rows<'py>>,
@@ -78,8 +78,8 @@ impl<'py> Attributes<'py> {
         };
         let scalars = |name: &str| {
             let argument = format!("stand.{name}");
-            let scalars = Scalars::read(&argument, &stand.getattr(name)?)?;
-            scalars.fit_exactly(&argument, &leading)?;
+            let scalars = Rows::read_numbers(&argument, &stand.getattr(name)?)?;
+            scalars.check_leading(&argument, &leading)?;
             PyResult::Ok(scalars)
         };
         let some = |name: &str, width: usize| (width > 0).then(|| beside(name, width)).transpose();

@@ -66,7 +66,7 @@ methods! { Suspension:
             stands.check_finite(name, rows)?;
         }
         let shapes = [(); 2].map(|()| joined(&leading, wheels));
-        let mut results = Out::read(out, ["ratio", "angle"])?.results(py, shapes, false)?;
+        let mut results = Out::read(out, ["ratio", "angle"])?.results(py, shapes, None, false)?;
         let footings = stands.footings();
         let [ratios, angles] = results.flat();
         let slips = Slips { ratios, angles };
@@ -160,8 +160,7 @@ functions! {
     -> PyResult<BodySlip> {
         let length = navigated.len().unwrap_or(0);
         if !(1..=6).contains(&length) {
-            let got = navigated.repr()?.to_string();
-            return Err(refuse("navigated", "hold one to six numbers", &got));
+            return Err(refuse("navigated", "hold one to six numbers", navigated.repr()?));
         }
         let navigated = Rows::read_finite_over("navigated", navigated, length, &[])?;
         let kinematic = Rows::read_finite_over("kinematic", kinematic, length, &[])?;

@@ -6,9 +6,7 @@ use six_wheel_ground_motion::{Drives, Driving, Lift, Turns, traction_rows};
 use six_wheel_terrain::suspension::MAX_WHEELS;
 
 use super::results::{Columns, array};
-use crate::convert::{
-    Out, Rows, Scalars, compute_rows, given, joined, memory, named, refuse, scalar_or_array, together,
-};
+use crate::convert::{Out, Rows, compute_rows, given, joined, memory, named, refuse, scalar_or_array, together};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
@@ -43,24 +41,20 @@ getters! { Traction, self, py:
 repr_of_attributes! { Traction: wheel_speeds steering }
 
 pickled_by_fields! { Traction, this, py:
-    (
-        wheel_speeds: Py<PyAny> = this.wheel_speeds(py)?,
-        steering: Py<PyAny> = this.steering(py)?,
-        contact_angles: Py<PyAny> = this.contact_angles(py)?,
-        lifted: Py<PyAny> = this.lifted(py)?,
-        vertical_speed: Py<PyAny> = this.vertical_speed(py)?,
-    )
-    Self(Columns::Batch([wheel_speeds, steering, contact_angles, lifted, vertical_speed]))
+    (columns: [Py<PyAny>; 5] = [
+        this.wheel_speeds(py)?, this.steering(py)?, this.contact_angles(py)?, this.lifted(py)?, this.vertical_speed(py)?,
+    ],)
+    Self(Columns::Batch(columns))
 }
 
 /// True and the curvature, or false and the yaw rate: one of them is given.
 fn read_turn<'py>(
     curvature: Option<&Bound<'py, PyAny>>,
     yaw_rate: Option<&Bound<'py, PyAny>>,
-) -> PyResult<(bool, Scalars<'py>)> {
+) -> PyResult<(bool, Rows<'py>)> {
     match (curvature, yaw_rate) {
-        (Some(curvature), None) => Ok((true, Scalars::read_finite("curvature", curvature)?)),
-        (None, Some(yaw_rate)) => Ok((false, Scalars::read_finite("yaw_rate", yaw_rate)?)),
+        (Some(curvature), None) => Ok((true, Rows::read_finite_numbers("curvature", curvature)?)),
+        (None, Some(yaw_rate)) => Ok((false, Rows::read_finite_numbers("yaw_rate", yaw_rate)?)),
         (Some(_), Some(_)) => Err(refuse("curvature", "be None where yaw_rate is given", "both")),
         (None, None) => Err(refuse("curvature", "be given, or yaw_rate", "neither")),
     }
@@ -70,7 +64,7 @@ fn read_turn<'py>(
 fn read_lift(angle: f64, speed: f64) -> PyResult<Lift> {
     for (name, value) in [("lift_angle", angle), ("lift_speed", speed)] {
         if value.is_nan() || value < 0.0 {
-            return Err(refuse(name, "be a number not below 0", &value.to_string()));
+            return Err(refuse(name, "be a number not below 0", value));
         }
     }
     Ok(Lift { angle: angle.min(std::f64::consts::FRAC_PI_2), speed })
@@ -138,7 +132,7 @@ methods! { Suspension:
         };
         let mut present = finite("steering", steering, steered)?;
         let mut measured = finite("wheel_speeds", wheel_speeds, wheels)?;
-        let mut speed = Scalars::read_finite("speed", speed)?;
+        let mut speed = Rows::read_finite_numbers("speed", speed)?;
         let (curved, mut turn) = read_turn(curvature, yaw_rate)?;
         let numbers = [
             named("angular_velocity", &mut turning),
@@ -153,7 +147,7 @@ methods! { Suspension:
         let lift = read_lift(lift_angle, lift_speed)?;
         let workers = any_workers(threads, level)?;
         let shapes = [wheels, steered, wheels].map(|width| joined(&leading, width));
-        let mut results = Out::read(out, ["wheel_speeds", "steering", "contact_angles"])?.results(py, shapes, true)?;
+        let mut results = Out::read(out, ["wheel_speeds", "steering", "contact_angles"])?.results(py, shapes, None, true)?;
         let mut lifted = memory::filled(false, count * wheels)?;
         let mut vertical = memory::filled(0.0, count)?;
         let driving = Driving {

@@ -8,16 +8,15 @@ use six_wheel_odometry::{Deviations, Encoder as CoreEncoder, Readings, Settings}
 
 use super::values::{Encoder, Noise};
 use crate::arguments::other_kind;
-use crate::convert::{OrRaise, Rows, Scalars, choice, items, number, refuse, refuse_shape};
+use crate::convert::{OrRaise, Rows, choice, items, number, refuse, refuse_shape};
 
 /// An encoder for all joints, one per joint, or some by name.
 fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<CoreEncoder>> {
     let Some(given) = given else { return Ok(Vec::new()) };
     let one = |item: &Bound<'_, PyAny>| {
-        item.cast::<Encoder>().map(|encoder| encoder.get().0).map_err(|_| {
-            let rule = "an Encoder, several of them or a dict of them by name";
-            other_kind(argument, rule, item, "")
-        })
+        item.cast::<Encoder>()
+            .map(|encoder| encoder.get().0)
+            .map_err(|_| other_kind(argument, "an Encoder, several of them or a dict of them by name", item, ""))
     };
     if let Ok(mapping) = given.cast::<PyMapping>() {
         return by_name(argument, mapping, names, CoreEncoder::default(), one);
@@ -34,8 +33,7 @@ fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]) ->
     if all.len() == names.len() {
         Ok(all)
     } else {
-        let rule = format!("be one encoder or {}", names.len());
-        Err(refuse(argument, &rule, &all.len().to_string()))
+        Err(refuse(argument, format!("be one encoder or {}", names.len()), all.len()))
     }
 }
 
@@ -75,8 +73,8 @@ pub fn settings(
 pub fn by_wheel(argument: &str, value: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<f64>> {
     let Some(value) = value else { return Ok(Vec::new()) };
     let Ok(mapping) = value.cast::<PyMapping>() else {
-        let numbers = Scalars::read(argument, value)?;
-        numbers.fit_exactly(argument, &[names.len()])?;
+        let numbers = Rows::read_numbers(argument, value)?;
+        numbers.check_leading(argument, &[names.len()])?;
         return Ok(numbers.flat().to_vec());
     };
     by_name(argument, mapping, names, 1.0, |one| number(argument, one))
@@ -94,8 +92,7 @@ fn by_name<T: Clone>(
     for pair in given.items()?.iter() {
         let (name, value): (String, Bound<'_, PyAny>) = pair.extract()?;
         let Some(place) = names.iter().position(|known| *known == name) else {
-            let rule = format!("name some of {}", names.join(", "));
-            return Err(refuse(argument, &rule, &format!("'{name}'")));
+            return Err(refuse(argument, format!("name some of {}", names.join(", ")), format!("'{name}'")));
         };
         all[place] = read(&value)?;
     }
@@ -110,28 +107,41 @@ pub fn deviations(value: Option<&Bound<'_, PyAny>>, wheels: usize) -> PyResult<D
         [0, _] => return Ok(Deviations::default()),
         [_, each] if *each == wheels => rows.check_finite("dimensions")?,
         _ => {
-            let wanted = format!("(k, {wheels}, {NUMBERS})");
-            return Err(rows.refuse_shape("dimensions", &wanted));
+            return Err(rows.refuse_shape("dimensions", format!("(k, {wheels}, {NUMBERS})")));
         }
     }
     Deviations::new(rows.flat(), wheels).or_raise(&[])
 }
 
-/// A covariance: three variances or a matrix.
-pub fn covariance(value: Option<&Bound<'_, PyAny>>) -> PyResult<[[f64; 3]; 3]> {
-    let mut matrix = [[0.0; 3]; 3];
+/// A covariance, zero if it is left out: variances or a matrix of the numbers at one of these lists of places, of which `rule`
+/// has the shapes. The numbers at other places have the variance `others`.
+pub fn covariance_of<const N: usize>(
+    value: Option<&Bound<'_, PyAny>>,
+    lists: &[&[usize]],
+    others: f64,
+    rule: &str,
+) -> PyResult<[[f64; N]; N]> {
+    let mut matrix = [[0.0; N]; N];
     let Some(value) = value else { return Ok(matrix) };
-    let rows = Rows::read("covariance", value, 3)?;
-    match (rows.leading.as_slice(), rows.triples()) {
-        ([], [variances]) => {
-            for i in 0..3 {
-                matrix[i][i] = variances[i];
-            }
+    let numbers = Rows::read_numbers("covariance", value)?;
+    let (shape, flat) = (numbers.leading.as_slice(), numbers.flat());
+    let fits = |places: &&&[usize]| shape == [places.len()] || shape == [places.len(); 2];
+    let Some(places) = lists.iter().find(fits) else { return Err(refuse_shape("covariance", rule, shape)) };
+    for k in (0..N).filter(|k| !places.contains(k)) {
+        matrix[k][k] = others;
+    }
+    for (i, &row) in places.iter().enumerate() {
+        match shape {
+            [_] => matrix[row][row] = flat[i],
+            _ => places.iter().enumerate().for_each(|(k, &column)| matrix[row][column] = flat[i * places.len() + k]),
         }
-        ([3], rows) => matrix.copy_from_slice(rows),
-        _ => return Err(rows.refuse_shape("covariance", "(3,) or (3, 3)")),
     }
     Ok(matrix)
+}
+
+/// A covariance of x, y and yaw: three variances or a matrix.
+pub fn covariance(value: Option<&Bound<'_, PyAny>>) -> PyResult<[[f64; 3]; 3]> {
+    covariance_of(value, &[&[0, 1, 2]], 0.0, "have shape (3,) or (3, 3)")
 }
 
 /// The covariance or, in its place, the squares of standard deviations.
@@ -146,31 +156,31 @@ pub fn variances<'py>(
         (None, None) => return Err(refuse("covariance", "be given, or std in its place", "None")),
         (Some(_), Some(_)) => return Err(refuse("std", "be left out beside covariance", "both")),
     };
-    let deviations = Scalars::read("std", std)?;
+    let deviations = Rows::read_numbers("std", std)?;
     if let Some(negative) = deviations.flat().iter().find(|deviation| deviation.is_nan() || **deviation < 0.0) {
-        return Err(refuse("std", "hold deviations of at least 0", &negative.to_string()));
+        return Err(refuse("std", "hold deviations of at least 0", negative));
     }
-    if deviations.shape.len() != 1 {
-        return Err(refuse_shape("std", "have shape (3,), or (6,) in space", &deviations.shape));
+    if deviations.leading.len() != 1 {
+        return Err(refuse_shape("std", "have shape (3,), or (6,) in space", &deviations.leading));
     }
     let squares: Vec<f64> = deviations.flat().iter().map(|deviation| deviation * deviation).collect();
     Ok(PyList::new(py, squares)?.into_any())
 }
 
-/// No steering angles: for rovers that do not steer.
-pub fn steering_left_out<'py>(joints: usize) -> PyResult<Option<Rows<'py>>> {
-    if joints == 0 {
-        return Ok(None);
+/// Readings of the steering joints over these leading axes; None for rovers that do not steer.
+pub fn steering<'py>(value: &Bound<'py, PyAny>, joints: usize, leading: &[usize]) -> PyResult<Option<Rows<'py>>> {
+    match value.is_none() {
+        false => Rows::read_over("steering", value, joints, leading).map(Some),
+        true if joints == 0 => Ok(None),
+        true => Err(refuse("steering", "hold the angles of the steered wheels", "None")),
     }
-    let rule = "hold the angles of the steered wheels";
-    Err(refuse("steering", rule, "None"))
 }
 
 /// The columns of every log: readings of wheels and steering, and their stamps.
 pub struct Columns<'py> {
     pub wheels: Rows<'py>,
     pub steering: Option<Rows<'py>>,
-    pub stamps: Scalars<'py>,
+    pub stamps: Rows<'py>,
     pub is_strict: bool,
 }
 
@@ -187,17 +197,13 @@ impl<'py> Columns<'py> {
         let is_strict = choice("errors", errors, |name| format!("'{name}'"), &[("flag", false), ("raise", true)])?;
         let wheels = Rows::read_table("wheel_angles", wheels, widths[0])?;
         let leading = wheels.leading.as_slice();
-        let steering = if steering.is_none() {
-            steering_left_out(widths[1])?
-        } else {
-            Rows::read_beside("steering", Some(steering), widths[1], leading)?
-        };
+        let steering = self::steering(steering, widths[1], leading)?;
         let stamps = column("stamps", stamps, leading)?;
         Ok(Self { wheels, steering, stamps, is_strict })
     }
 
     /// A column that may be left out.
-    pub fn optional(&self, argument: &str, value: Option<&Bound<'py, PyAny>>) -> PyResult<Option<Scalars<'py>>> {
+    pub fn optional(&self, argument: &str, value: Option<&Bound<'py, PyAny>>) -> PyResult<Option<Rows<'py>>> {
         let read = |value| column(argument, value, &self.wheels.leading);
         value.map(read).transpose()
     }
@@ -209,21 +215,13 @@ impl<'py> Columns<'py> {
 }
 
 /// One number a row.
-fn column<'py>(argument: &str, value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<Scalars<'py>> {
-    let column = Scalars::read(argument, value)?;
-    column.fit_exactly(argument, leading).map(|()| column)
+pub fn column<'py>(argument: &str, value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<Rows<'py>> {
+    let column = Rows::read_numbers(argument, value)?;
+    column.check_leading(argument, leading).map(|()| column)
 }
 
 /// The track of `six_wheel.kinematics.odometry` under this name.
 pub fn build_track<'py>(keywords: &Bound<'py, PyDict>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     let py = keywords.py();
     py.import(intern!(py, "six_wheel.kinematics.odometry"))?.getattr(name)?.call((), Some(keywords))
-}
-
-/// The readings of one joint kind, a single row.
-pub fn row<'py>(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Option<Rows<'py>>> {
-    if value.is_none() && argument == "steering" {
-        return steering_left_out(width);
-    }
-    Rows::read_one(argument, value, width).map(Some)
 }

@@ -11,10 +11,10 @@ use six_wheel_numerics::error::Error;
 use six_wheel_odometry::preintegrated::{Column, ErrorFrame, PreintegratedMotion, PreintegrationOptions, Residual};
 use six_wheel_odometry::{Preintegrated as Core, Recording, Settings};
 
-use super::input::{settings, steering_left_out};
+use super::input::{column, settings, steering};
 use super::values::{Gyroscope, Noise};
 use crate::arguments::ArgumentKind;
-use crate::convert::{OrRaise, Rows, Scalars, choice, compute, is_interrupted, number, raise, refuse};
+use crate::convert::{OrRaise, Rows, choice, compute, is_interrupted, number, raise, refuse};
 use crate::rover::Rover;
 use crate::state_lock::Shared;
 
@@ -176,8 +176,7 @@ methods! { Preintegrated:
     -> PyResult<()> {
         let (Some(wheel_angles), Some(stamp)) = (wheel_angles, stamp) else {
             if wheel_angles.is_some() || stamp.is_some() || !steering.hasattr("wheel_angles")? {
-                let rule = "come together with wheel_angles and stamp, or be a log";
-                return Err(refuse("steering", rule, "one without the others"));
+                return Err(refuse("steering", "come together with wheel_angles and stamp, or be a log", "one without the others"));
             }
             let parts = ["steering", "wheel_angles", "stamps"].map(|part| steering.getattr(part));
             let [steering, wheels, stamps] = parts;
@@ -187,28 +186,19 @@ methods! { Preintegrated:
         let wheels = Rows::read("wheel_angles", wheel_angles, count)?;
         let leading = wheels.leading.as_slice();
         if leading.len() > 1 {
-            let rule = format!("have shape ({count},) or (n, {count})");
-            return Err(refuse("wheel_angles", &rule, "more axes"));
+            return Err(refuse("wheel_angles", format!("have shape ({count},) or (n, {count})"), "more axes"));
         }
-        let steering = if steering.is_none() {
-            steering_left_out(joints)?
-        } else {
-            Rows::read_beside("steering", Some(steering), joints, leading)?
-        };
-        let column = |argument, value: &Bound<'py, PyAny>| {
-            let column = Scalars::read(argument, value)?;
-            column.fit_exactly(argument, leading).map(|()| column)
-        };
-        let stamps = column("stamp", stamp)?;
-        let rates = yaw_rate.map(|rate| column("yaw_rate", rate)).transpose()?;
+        let steering = self::steering(steering, joints, leading)?;
+        let stamps = column("stamp", stamp, leading)?;
+        let rates = yaw_rate.map(|rate| column("yaw_rate", rate, leading)).transpose()?;
         let attitudes = Rows::read_beside("attitude", attitude, 4, leading)?;
         let attitudes = attitudes.as_ref().map(|rows| rows.flat().as_chunks::<4>().0);
         let log = Recording {
-            steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
+            steering: steering.as_ref().map_or(&[], Rows::flat),
             wheels: wheels.flat(),
             stamps: stamps.flat(),
             yaws: None,
-            yaw_rates: rates.as_ref().map(Scalars::flat),
+            yaw_rates: rates.as_ref().map(Rows::flat),
         };
         let mut work = self.work.lock(py)?;
         work.replayed = None;

@@ -8,7 +8,7 @@ use six_wheel_odometry::{LogOdometry, Recording, TrackRows};
 use super::Odometry;
 use super::input::{Columns, build_track};
 use super::values::Noise;
-use crate::convert::{Array, Output, Scalars, compute_rows, is_interrupted, memory};
+use crate::convert::{Array, Output, Rows, compute_rows, is_interrupted, memory};
 
 methods! { Odometry:
     /// Takes in a whole log, from where the last sample ended; the same numbers as `update`, row by row.
@@ -49,8 +49,8 @@ methods! { Odometry:
             steering: log.angles(),
             wheels: log.wheels.flat(),
             stamps: log.stamps.flat(),
-            yaws: yaws.as_ref().map(Scalars::flat),
-            yaw_rates: rates.as_ref().map(Scalars::flat),
+            yaws: yaws.as_ref().map(Rows::flat),
+            yaw_rates: rates.as_ref().map(Rows::flat),
         };
         let rows = log.wheels.count();
         let output = |shape: &[usize]| Output::fresh(py, shape);

@@ -9,9 +9,9 @@ use six_wheel_ground_motion::spatial::{Odometry3 as Core, Recording3, Sample3, S
 use six_wheel_numerics::error::Error;
 use six_wheel_odometry::{LogOdometry, Settings};
 
-use super::input::{Columns, build_track, row, settings, variances};
+use super::input::{Columns, build_track, settings, variances};
 use super::values::Noise;
-use crate::convert::{OrRaise, Output, Rows, Scalars, compute_rows, is_interrupted, memory, ready};
+use crate::convert::{OrRaise, Output, Rows, compute_rows, is_interrupted, memory, ready};
 use crate::state_lock::Shared;
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
@@ -173,13 +173,13 @@ methods! { Odometry3:
     fn update[&self, py: Python<'py>](steering, wheel_angles, stamp: f64, *, joints=None, attitude=None,
         yaw_rate: Option<f64> = None) -> PyResult<Odometry3State> {
         let [wheels, steered, free] = self.widths();
-        let steering = row("steering", steering, steered)?;
-        let wheels = row("wheel_angles", wheel_angles, wheels)?;
-        let joints = joints.map(|joints| row("joints", joints, free)).transpose()?.flatten();
+        let steering = super::input::steering(steering, steered, &[])?;
+        let wheels = Rows::read_one("wheel_angles", wheel_angles, wheels)?;
+        let joints = Rows::read_beside("joints", joints, free, &[])?;
         let attitude = attitude.map(input::attitude_of).transpose()?;
         let sample = Sample3 {
-            steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
-            wheels: wheels.as_ref().map_or(&[], Rows::flat),
+            steering: steering.as_ref().map_or(&[], Rows::flat),
+            wheels: wheels.flat(),
             stamp,
             joints: joints.as_ref().map(Rows::flat),
             attitude,
@@ -232,7 +232,7 @@ methods! { Odometry3:
             stamps: log.stamps.flat(),
             joints: joints.as_ref().map(Rows::flat),
             attitudes: attitudes.as_ref().map(|(numbers, width)| (numbers.flat(), *width)),
-            yaw_rates: rates.as_ref().map(Scalars::flat),
+            yaw_rates: rates.as_ref().map(Rows::flat),
         };
         let rows = log.wheels.count();
         let output = |shape: &[usize]| Output::fresh(py, shape);

@@ -163,7 +163,7 @@ fn whole([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> [[f64; 3]; 3] {
 fn spatial<'py>(py: Python<'py>, planar: &[[f64; 3]; 3], unmeasured: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
     const PLACES: [usize; 3] = [0, 1, 5];
     if unmeasured.is_nan() || unmeasured < 0.0 {
-        return Err(refuse("unmeasured", "be a variance, 0 or more", &unmeasured.to_string()));
+        return Err(refuse("unmeasured", "be a variance, 0 or more", unmeasured));
     }
     let mut matrix = [[0.0; 6]; 6];
     for (i, row) in planar.iter().enumerate() {

@@ -7,7 +7,7 @@ use six_wheel_kinematics::geometry::GridPlacement;
 use six_wheel_planner::Costmap as Core;
 
 use crate::arguments::ArgumentKind;
-use crate::convert::{OrRaise, number, refuse, refuse_shape, refuse_type};
+use crate::convert::{OrRaise, pair, pair_or_one, refuse_shape, refuse_type};
 
 /// Costs on a grid, for a planner.
 ///
@@ -86,7 +86,7 @@ methods! { Costmap:
         let array = numpy.call_method1("asarray", (values,))?;
         let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
         if !matches!(kind.as_str(), "f" | "i" | "u" | "b") {
-            return Err(refuse_type("values", "be real numbers", &format!("dtype {}", array.getattr("dtype")?)));
+            return Err(refuse_type("values", "be real numbers", format!("dtype {}", array.getattr("dtype")?)));
         }
         let array = numpy.call_method1("ascontiguousarray", (array, "f4"))?;
         let array = array.cast_into::<PyArrayDyn<f32>>()?;
@@ -94,13 +94,7 @@ methods! { Costmap:
         let [rows, columns] = shape[..] else {
             return Err(refuse_shape("values", "have shape (rows, columns)", &shape));
         };
-        let pair = |argument: &str, value: &Bound<'_, PyAny>| {
-            value.extract::<[f64; 2]>().map_err(|_| refuse(argument, "be two numbers", &value.to_string()))
-        };
-        let spacing = match number("spacing", spacing) {
-            Ok(one) => [one; 2],
-            Err(_) => pair("spacing", spacing)?,
-        };
+        let spacing = pair_or_one("spacing", spacing)?.unwrap_or_else(|one| [one; 2]);
         let origin = origin.map_or(Ok([0.0; 2]), |origin| pair("origin", origin))?;
         let placement = GridPlacement::new(spacing, origin, yaw.unwrap_or_default()).or_raise(&[])?;
         let core = Core::new(array.to_vec()?, [rows, columns], placement, lethal, outside);

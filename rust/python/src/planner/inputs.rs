@@ -34,7 +34,7 @@ pub fn check_frame(costmap: Option<&Bound<'_, Costmap>>, frame: Option<&str>) ->
     let (Some(map), Some(frame)) = (costmap, frame) else { return Ok(()) };
     match &map.get().frame {
         Some(own) if own != frame => {
-            Err(refuse("costmap", &format!("be in the frame of the state, {frame:?}"), &format!("{own:?}")))
+            Err(refuse("costmap", format!("be in the frame of the state, {frame:?}"), format!("{own:?}")))
         }
         _ => Ok(()),
     }
@@ -47,8 +47,7 @@ pub fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
         refuse_type(argument, "be a whole number", &got)
     })?;
     index.extract::<u64>().map_err(|_| {
-        let rule = if argument == "seed" { "be 0 to 2^64 - 1" } else { "be a whole number from 0 on" };
-        refuse(argument, rule, &index.to_string())
+        refuse(argument, if argument == "seed" { "be 0 to 2^64 - 1" } else { "be a whole number from 0 on" }, index)
     })
 }
 
@@ -62,7 +61,7 @@ pub fn precision(dtype: &Bound<'_, PyAny>) -> PyResult<Precision> {
     match name.as_deref() {
         Ok("float32") => Ok(Precision::Single),
         Ok("float64") => Ok(Precision::Double),
-        _ => Err(refuse("dtype", "be float32 or float64", &dtype.repr()?.to_string())),
+        _ => Err(refuse("dtype", "be float32 or float64", dtype.repr()?)),
     }
 }
 
@@ -71,8 +70,7 @@ pub fn read_weights(given: &Bound<'_, PyDict>) -> PyResult<Weights> {
     for (key, value) in given.iter() {
         let name: String = key.extract().map_err(|_| refuse("cost_weights", "have names", "another key"))?;
         let Some(place) = Weights::NAMES.iter().position(|known| *known == name) else {
-            let rule = format!("be of {}", Weights::NAMES.join(", "));
-            return Err(refuse("cost_weights", &rule, &format!("{name:?}")));
+            return Err(refuse("cost_weights", format!("be of {}", Weights::NAMES.join(", ")), format!("{name:?}")));
         };
         values[place] = number(&name, &value)?;
     }

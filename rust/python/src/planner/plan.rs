@@ -37,12 +37,12 @@ impl MppiPlan {
         outcome: &CycleOutput,
         blocked: bool,
         state: &State,
-        [steering, wheel_speeds]: [Array<'_>; 2],
+        [steering, wheel_speeds]: [Py<PyAny>; 2],
     ) -> PyResult<Self> {
         Ok(Self {
             twist: PyArray1::from_slice(py, &outcome.twist).into_any().unbind(),
-            steering: steering.into_any().unbind(),
-            wheel_speeds: wheel_speeds.into_any().unbind(),
+            steering,
+            wheel_speeds,
             twists: triples(py, &outcome.twists)?.into_any().unbind(),
             poses: triples(py, &outcome.poses)?.into_any().unbind(),
             controls: triples(py, &state.controls)?.into_any().unbind(),

@@ -6,7 +6,7 @@ use pyo3::types::PyTuple;
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_planner::{Costs, rollout_cost};
 
-use crate::convert::{Precision, Results, Rows, compute, out_tuple};
+use crate::convert::{Out, Precision, Rows, compute};
 use crate::geometry::Course;
 use crate::rover::Rover;
 use crate::workers::workers;
@@ -58,11 +58,11 @@ methods! { Rover:
     -> PyResult<Bound<'py, PyAny>> {
         let course = Course::read_controls(controls, dt, start)?;
         let previous = Rows::read_beside("previous", previous, self.joints(), &[])?;
-        let (outs, precision) =
-            (out_tuple::<5>(out, "be a RolloutCost or a tuple of its five arrays")?, Precision::read(py, dtype, out)?);
+        let results = Out::read_all(out, NAMES, "be a RolloutCost or a tuple of its five arrays")?;
+        let precision = Precision::read(py, dtype, out)?;
         let logs = course.logs().to_vec();
         let shapes = [course.poses_shape(), logs.clone(), logs.clone(), logs.clone(), logs];
-        let mut results = Results::named(py, outs, NAMES, precision, shapes)?;
+        let mut results = results.results(py, shapes, precision, false)?;
         let [poses, wheel_speed, steering_angle, steering_rate, scrub] = results.flat();
         let targets = Costs { wheel_speed, steering_angle, steering_rate, scrub };
         let rows = course.twists.count();

@@ -11,7 +11,7 @@ use six_wheel_numerics::error::Error;
 use six_wheel_numerics::threads::workers::BETWEEN_CHECKS;
 
 use super::made::class;
-use crate::convert::{OrRaise, Rows, Scalars, compute, is_interrupted, memory, refuse, refuse_shape, scalar_or_array};
+use crate::convert::{OrRaise, Rows, compute, is_interrupted, memory, refuse, refuse_shape, scalar_or_array};
 use crate::rover::Rover;
 
 /// One row of numbers.
@@ -71,8 +71,8 @@ impl<'py> Keywords<'py> {
 pub fn one_of(duration: Option<f64>, limited: bool, limits: &str) -> PyResult<()> {
     match (duration.is_some(), limited) {
         (true, false) | (false, true) => Ok(()),
-        (true, true) => Err(refuse("duration", &format!("not come with {limits}"), "both")),
-        (false, false) => Err(refuse("duration", &format!("be given, or {limits}"), "neither")),
+        (true, true) => Err(refuse("duration", format!("not come with {limits}"), "both")),
+        (false, false) => Err(refuse("duration", format!("be given, or {limits}"), "neither")),
     }
 }
 
@@ -83,7 +83,7 @@ pub fn states<'py>(
     times: &Bound<'py, PyAny>,
     at: impl Fn(f64, &mut Wheels<'_>) -> Option<Twist> + Sync,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let times = Scalars::read_finite("times", times)?;
+    let times = Rows::read_finite_numbers("times", times)?;
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
     let rows = times.flat().len();
     let zeros = |width| memory::filled(0.0, memory::count(&[rows, width])?);
@@ -113,7 +113,7 @@ pub fn states<'py>(
     })
     .or_raise(&[])?;
     let array = |values: Vec<f64>, width: usize| {
-        let mut shape = times.shape.clone();
+        let mut shape = times.leading.clone();
         shape.push(width);
         scalar_or_array(py, values, &shape)
     };
@@ -123,7 +123,7 @@ pub fn states<'py>(
         array(speeds, wheels)?,
         array(rates, joints)?,
         array(accelerations, joints)?,
-        scalar_or_array(py, scrubs, &times.shape)?,
+        scalar_or_array(py, scrubs, &times.leading)?,
     ))
 }
 
@@ -135,16 +135,13 @@ pub struct Values {
 
 impl Values {
     pub fn read(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let scalars = Scalars::read(argument, value)?;
-        match scalars.shape.as_slice() {
+        let scalars = Rows::read_numbers(argument, value)?;
+        match scalars.leading.as_slice() {
             [] | [_] if !scalars.flat().is_empty() => Ok(Self {
                 numbers: memory::gathered(scalars.flat().iter().copied())?,
-                is_vector: !scalars.shape.is_empty(),
+                is_vector: !scalars.leading.is_empty(),
             }),
-            shape => {
-                let rule = "be one number or have shape (axes,)";
-                Err(refuse_shape(argument, rule, shape))
-            }
+            shape => Err(refuse_shape(argument, "be one number or have shape (axes,)", shape)),
         }
     }
 
@@ -173,8 +170,7 @@ pub fn axes(values: &[(&str, Values)]) -> PyResult<(usize, bool)> {
     for (argument, values) in values.iter().filter(|(_, values)| values.is_vector) {
         let (known, own) = (count.unwrap_or(values.numbers.len()), values.numbers.len());
         if known != own {
-            let rule = format!("be one number or have shape ({known},)");
-            return Err(refuse(argument, &rule, &format!("shape ({own},)")));
+            return Err(refuse(argument, format!("be one number or have shape ({known},)"), format!("shape ({own},)")));
         }
         count = Some(own);
     }

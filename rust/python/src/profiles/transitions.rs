@@ -163,10 +163,7 @@ fn modules(argument: &str, rover: &Rover, value: &Bound<'_, PyAny>) -> PyResult<
             row(&format!("{argument}[0]"), steering, rover.joints())?,
             row(&format!("{argument}[1]"), speeds, rover.count())?,
         )),
-        _ => {
-            let got = format!("{} values", pair.len());
-            Err(refuse(argument, "be a pair (steering, wheel_speeds)", &got))
-        }
+        _ => Err(refuse(argument, "be a pair (steering, wheel_speeds)", format!("{} values", pair.len()))),
     }
 }
 

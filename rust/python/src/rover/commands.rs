@@ -84,8 +84,7 @@ methods! { Rover:
         let missing = |name: &str| {
             let listed: Vec<String> =
                 (joints.keys().ok()).map(|keys| keys.iter().map(|key| key.to_string()).collect()).unwrap_or_default();
-            let rule = format!("hold every joint of the rover, {name:?} too");
-            refuse("joints", &rule, &listed.join(", "))
+            refuse("joints", format!("hold every joint of the rover, {name:?} too"), listed.join(", "))
         };
         let value = |joint: &Joint| -> PyResult<Bound<'py, PyAny>> {
             let value = joints.get_item(&joint.name).map_err(|_| missing(&joint.name))?;

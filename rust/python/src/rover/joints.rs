@@ -42,11 +42,10 @@ pub fn reverse(reversed: &[String], traction: &mut Joints, steering: &mut Joints
         let Some(joint) = joints.find(|joint| joint.name == *name) else {
             let names: Vec<_> = (traction.iter().chain(steering.iter())).map(|joint| joint.name.as_str()).collect();
             let rule = format!("be some of the joints {}", names.join(", "));
-            return Err(refuse("reversed_joints", &rule, &format!("{name:?}")));
+            return Err(refuse("reversed_joints", &rule, format!("{name:?}")));
         };
         if std::mem::replace(&mut joint.reversed, true) {
-            let got = format!("{name:?} twice");
-            return Err(refuse("reversed_joints", "name every joint once", &got));
+            return Err(refuse("reversed_joints", "name every joint once", format!("{name:?} twice")));
         }
     }
     Ok(())
@@ -68,14 +67,13 @@ pub fn read_joints(
         let Some(index) = found else {
             let names: Vec<_> = wheels.iter().map(|&i| core.wheels()[i].name.as_str()).collect();
             let rule = format!("map joints to the wheels {}", names.join(", "));
-            return Err(refuse(argument, &rule, &format!("{wheel:?} for {joint:?}")));
+            return Err(refuse(argument, &rule, format!("{wheel:?} for {joint:?}")));
         };
         if joints.iter().any(|other| other.wheel == index) {
-            return Err(refuse(argument, "name every wheel once", &format!("{wheel:?} twice")));
+            return Err(refuse(argument, "name every wheel once", format!("{wheel:?} twice")));
         }
         if joints.iter().any(|other| other.name == joint) {
-            let got = format!("{joint:?} twice");
-            return Err(refuse(argument, "name every joint once", &got));
+            return Err(refuse(argument, "name every joint once", format!("{joint:?} twice")));
         }
         joints.push(Joint { name: joint, wheel: index, reversed: false });
     }

@@ -9,8 +9,7 @@ use six_wheel_numerics::threads::workers::Workers;
 
 use super::Rover;
 use crate::convert::{
-    AnyArray, Blocks, Output, Precision, Rows, compute_rows, given, joined, named, one_twist, out_tuple, refuse,
-    together,
+    AnyArray, Blocks, Out, Output, Precision, Rows, compute_rows, given, joined, named, one_twist, refuse, together,
 };
 use crate::unit_warnings::warn_units;
 use crate::workers::any_workers;
@@ -185,16 +184,14 @@ methods! { Rover:
         let leading = together(all.into_iter().flatten())?;
         centres.as_ref().map_or(Ok(()), |centres| centres.check_finite("centre"))?;
         let about = centres.as_ref().map(|centres| ReferencePoint { twists: twists.table(), centres: centres.pairs() });
-        let outputs = out_tuple::<2>(out, "be a pair of arrays (steering, wheel_speeds)")?;
-        for (input, out) in [&mut previous, &mut rolling].into_iter().zip(&outputs) {
-            if let (Some(input), Some(out)) = (input, out) {
-                input.release_if(out)?;
+        let out = Out::read_all(out, ["out[0]", "out[1]"], "be a pair of arrays (steering, wheel_speeds)")?;
+        for (k, input) in [&mut previous, &mut rolling].into_iter().enumerate() {
+            if let (Some(input), Some(array)) = (input, out.array(k)) {
+                input.release_if(array)?;
             }
         }
-        let output = |k: usize, width| {
-            Output::of(py, ["out[0]", "out[1]"][k], outputs[k].as_ref(), precision, &joined(&leading, width))
-        };
-        let (mut steering, mut speeds) = (output(0, self.joints())?, output(1, self.count())?);
+        let shapes = [self.joints(), self.count()].map(|width| joined(&leading, width));
+        let mut results = out.results(py, shapes, precision, false)?;
         let rows = match &about {
             Some(about) => Table::Read(about),
             None => twists.table(),
@@ -204,12 +201,12 @@ methods! { Rover:
             previous_speeds: rolling.as_ref().map(Blocks::table),
             steering_rates: rates.as_ref().map(Blocks::table),
         };
-        let workers = Workers { fresh: steering.is_unseen() && speeds.is_unseen(), ..any_workers(threads, level)? };
-        let (angles, rotations) = (steering.flat(), speeds.flat());
+        let workers = Workers { fresh: results.are_unseen(), ..any_workers(threads, level)? };
+        let [angles, rotations] = results.flat();
         compute_rows(py, twists.count(), &leading, || {
             batch::inverse(&self.core, rows, beside, angles, rotations, workers)
         })?;
-        Ok((steering.finish_any()?, speeds.finish_any()?))
+        results.finish_any().map(<(_, _)>::from)
     }
 
     /// The twist that angles and speeds of all wheels report, by least squares.

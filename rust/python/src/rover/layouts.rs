@@ -12,9 +12,9 @@ use six_wheel_kinematics::rover::{MAX_WHEELS, Rover as Core};
 use six_wheel_kinematics::steering::SteeringRange;
 
 use super::Rover;
-use crate::convert::{Rows, memory, refuse, short_repr};
+use crate::convert::{Rows, memory, pair_or_one, refuse, short_repr};
 use crate::fastcall::keywords::Given;
-use crate::wheel::{pair_or_one, steering_range};
+use crate::wheel::steering_range;
 use per_wheel::PerWheel;
 
 /// Positions, one row per wheel.
@@ -32,7 +32,7 @@ fn refuse_beside(
 ) -> PyResult<()> {
     match value {
         Some(value) if others.iter().any(Option::is_some) => {
-            Err(refuse(argument, &format!("be left out beside {names}, which say the same"), &short_repr(value)))
+            Err(refuse(argument, format!("be left out beside {names}, which say the same"), short_repr(value)))
         }
         _ => Ok(()),
     }
@@ -151,13 +151,10 @@ methods! { Rover:
         };
         let radii = pair_or_one("wheel_radius", wheel_radius)?.unwrap_or_else(|one| [one; 2]);
         let Ok(per_side) = usize::try_from(wheels_per_side) else {
-            let got = wheels_per_side.to_string();
-            let rule = format!("be 1 to {}", MAX_WHEELS / 2);
-            return Err(refuse("wheels_per_side", &rule, &got));
+            return Err(refuse("wheels_per_side", format!("be 1 to {}", MAX_WHEELS / 2), wheels_per_side));
         };
         if per_side > 1 && wheelbase.is_none() {
-            let rule = "be given for more than one wheel per side";
-            return Err(refuse("wheelbase", rule, "None"));
+            return Err(refuse("wheelbase", "be given for more than one wheel per side", "None"));
         }
         let base = wheelbase.unwrap_or_default();
         given.fit(py, Core::differential(track_width, radii, per_side, base, skid))

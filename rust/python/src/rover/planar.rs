@@ -3,7 +3,8 @@
 use pyo3::prelude::*;
 
 use super::Rover;
-use crate::suspension::{Joints, RockerBogie};
+use crate::convert::numbers;
+use crate::suspension::{RockerBogie, rocker_and_bogies};
 
 #[pymethods]
 impl RockerBogie {
@@ -25,7 +26,7 @@ impl RockerBogie {
     ///     If an angle is not finite or a shape does not fit.
     #[pyo3(signature = (joints=None), text_signature = "($self, joints=(0.0, 0.0, 0.0))")]
     fn planar(&self, py: Python<'_>, joints: Option<&Bound<'_, PyAny>>) -> PyResult<Rover> {
-        let (rho, beta) = joints.map_or(Ok((0.0, [0.0; 2])), Joints::read_one)?;
+        let (rho, beta) = rocker_and_bogies(joints.map_or(Ok([0.0; 3]), |joints| numbers("joints", joints))?);
         Rover::named(py, self.0.planar(rho, beta))
     }
 }

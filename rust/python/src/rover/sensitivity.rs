@@ -106,8 +106,7 @@ fn wanted(quantities: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<(&'static str, 
         let found = NAMES.iter().find(|(known, _)| known == name).copied();
         found.ok_or_else(|| {
             let all: Vec<&str> = NAMES.iter().map(|(name, _)| *name).collect();
-            let rule = format!("name some of {}", all.join(", "));
-            refuse("quantities", &rule, &format!("'{name}'"))
+            refuse("quantities", format!("name some of {}", all.join(", ")), format!("'{name}'"))
         })
     };
     names.iter().map(known).collect()

@@ -1,7 +1,7 @@
 //! `Suspension.stability` and `RockerBogie.feasible`.
 
 use pyo3::prelude::*;
-use six_wheel_numerics::error::bounded;
+use six_wheel_numerics::error::{bounded, positive};
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::bounds::{
     self, Allowed, Belly, Judge, Verdict, joint_margins, loads, margins_by_dimension, margins_by_pose, tilt,
@@ -13,7 +13,7 @@ use super::stand::Stand;
 use crate::convert::{
     OrRaise, Out, Results, Rows, compute_rows, joined, memory, number, read_point, refuse, scalar_or_array,
 };
-use crate::suspension::{RockerBogie, Suspension, check_map_error};
+use crate::suspension::{Plate, RockerBogie, Suspension, check_map_error, read_belly};
 use crate::terrain::Terrain;
 use crate::workers::{any_workers, fill_rows};
 
@@ -125,10 +125,7 @@ fn allowed(py: Python<'_>, limits: Option<&Bound<'_, PyAny>>) -> PyResult<Allowe
     };
     let read = |name: &str| match limits.getattr(name) {
         Ok(value) => number(name, &value),
-        Err(_) => {
-            let got = limits.get_type().name()?.to_string();
-            Err(refuse("limits", "be a FeasibilityLimits", &got))
-        }
+        Err(_) => Err(refuse("limits", "be a FeasibilityLimits", limits.get_type().name()?)),
     };
     let allowed = Allowed {
         roll: read("roll")?,
@@ -188,7 +185,7 @@ methods! { RockerBogie:
         let judge = judge.or_raise(&[])?;
         let mut verdicts = memory::filled(Verdict::UNKNOWN, rows.len())?;
         let shapes = [(); 3].map(|()| leading.clone());
-        let mut results = Out::read(out, ["margin", "tilt", "clearance"])?.results(py, shapes, false)?;
+        let mut results = Out::read(out, ["margin", "tilt", "clearance"])?.results(py, shapes, None, false)?;
         compute_rows(py, rows.len().max(ground.heights().len() / 1000), &[], || {
             judge.judge(rows, &mut verdicts, workers)
         })?;
@@ -208,19 +205,13 @@ methods! { RockerBogie:
 }
 
 fn check_positive(argument: &'static str, value: f64) -> PyResult<()> {
-    match value.is_finite() && value > 0.0 {
-        true => bounded(argument, &[value]).or_raise(&[]),
-        false => Err(refuse(argument, "be finite and positive", &format!("{value:?}"))),
-    }
+    positive(argument, value).and_then(|()| bounded(argument, &[value])).or_raise(&[])
 }
 
 /// The belly that is given, or that of a rocker-bogie between its wheels.
-fn belly_of(suspension: &Bound<'_, Suspension>, given: Option<(f64, f64, f64, f64)>) -> PyResult<Option<Belly>> {
-    match (given, suspension.cast::<RockerBogie>()) {
-        (Some((rear, front, half_width, z)), _) => Belly::new([rear, front], half_width, z).map(Some).or_raise(&[]),
-        (None, Ok(rover)) => Ok(Some(Belly::between_wheels(rover.get().0.dimensions()))),
-        (None, Err(_)) => Ok(None),
-    }
+fn belly_of(suspension: &Bound<'_, Suspension>, given: Option<Plate>) -> PyResult<Option<Belly>> {
+    let default = suspension.cast::<RockerBogie>().ok().map(|rover| Belly::between_wheels(rover.get().0.dimensions()));
+    given.map_or(Ok(default), |belly| read_belly(belly).map(Some)).or_raise(&[])
 }
 
 /// Derivatives of the margins by pose and by dimensions, where the stand was asked for them.
@@ -305,7 +296,7 @@ methods! { Suspension:
         let [one, wheel, joint] = [leading.to_vec(), joined(leading, wheels), joined(leading, joints)];
         let shapes = [wheel, one.clone(), one.clone(), joint, one];
         let names = ["loads", "tip_over_angle", "clearance", "joint_margins", "tilt"];
-        let mut results = Out::read(out, names)?.results(py, shapes, false)?;
+        let mut results = Out::read(out, names)?.results(py, shapes, None, false)?;
         let [by_pose, by_dimension] = derivatives(slf, stand, workers, centre, belly)?;
         let [carried, tipping, clear, margins, tilts] = results.flat();
         let outputs = [(carried, wheels), (tipping, 1), (clear, 1), (margins, joints), (tilts, 1)];

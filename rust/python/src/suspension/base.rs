@@ -11,9 +11,9 @@ use six_wheel_terrain::suspension::{Chain, JointRange, TripleBogie};
 
 use crate::arguments::ArgumentKind;
 use crate::classes::{reduce, repr_of_call};
-use crate::convert::{OrRaise, Rows, choice, refuse, shape_text};
+use crate::convert::{OrRaise, Rows, choice, pair_or_one, refuse, shape_text};
 use crate::unit_warnings::warn_units;
-use crate::wheel::{pair_or_one, steering_range};
+use crate::wheel::steering_range;
 
 /// A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
 ///
@@ -209,12 +209,10 @@ methods! { Suspension:
         let numbered = || (1..=count).map(|wheel| format!("wheel_{wheel}")).collect();
         let names: Vec<String> = names.unwrap_or_else(numbered);
         if names.len() != count {
-            let rule = format!("hold {count}, one for each of the centres");
-            return Err(refuse("names", &rule, &names.len().to_string()));
+            return Err(refuse("names", format!("hold {count}, one for each of the centres"), names.len()));
         }
         if let Some(wheel) = steered.iter().find(|&&wheel| wheel >= count) {
-            let rule = format!("hold indices of wheels, of shape {}", shape_text(&[count]));
-            return Err(refuse("steered", &rule, &wheel.to_string()));
+            return Err(refuse("steered", format!("hold indices of wheels, of shape {}", shape_text(&[count])), wheel));
         }
         let wheels: Vec<_> = names
             .iter()

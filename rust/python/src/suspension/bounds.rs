@@ -4,13 +4,11 @@ use std::borrow::Cow;
 
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
-use six_wheel_numerics::error::{Error, bounded};
+use six_wheel_numerics::error::{Error, bounded, not_negative};
 use six_wheel_terrain::bounds::{self as core, Belly, BoundsConstants, Ground, Knowledge, Margins, Within};
 
 use super::rocker_bogie::RockerBogie;
-use crate::convert::{
-    OrRaise, Out, Rows, Scalars, compute_rows, joined, memory, named, refuse, scalar_or_array, together,
-};
+use crate::convert::{OrRaise, Out, Rows, compute_rows, joined, memory, named, scalar_or_array, together};
 use crate::terrain::Terrain;
 use crate::workers::any_workers;
 
@@ -54,14 +52,11 @@ getters! { PoseBounds, self, py:
 }
 
 /// Reads sizes, one or one per pose, default 0.
-fn sizes<'py>(py: Python<'py>, argument: &'static str, value: Option<&Bound<'py, PyAny>>) -> PyResult<Scalars<'py>> {
+fn sizes<'py>(py: Python<'py>, argument: &'static str, value: Option<&Bound<'py, PyAny>>) -> PyResult<Rows<'py>> {
     let none = PyFloat::new(py, 0.0);
-    let sizes = Scalars::read(argument, value.unwrap_or(none.as_any()))?;
-    let wrong = |size: &&f64| !(size.is_finite() && **size >= 0.0);
-    match sizes.flat().iter().find(wrong) {
-        Some(size) => Err(refuse(argument, "be finite and not negative", &format!("{size:?}"))),
-        None => Ok(sizes),
-    }
+    let sizes = Rows::read_numbers(argument, value.unwrap_or(none.as_any()))?;
+    sizes.flat().iter().try_for_each(|size| not_negative(argument, *size)).or_raise(&[])?;
+    Ok(sizes)
 }
 
 /// The arrays of `out=`, in this order.
@@ -73,14 +68,16 @@ fn pairs(values: &mut [f64]) -> &mut [[f64; 2]] {
 }
 
 /// A belly as it is given: rear and front edge, half width and height [m].
-type Plate = (f64, f64, f64, f64);
+pub type Plate = (f64, f64, f64, f64);
+
+/// The belly of these numbers.
+pub fn read_belly((rear, front, half_width, z): Plate) -> Result<Belly, Error> {
+    Belly::new([rear, front], half_width, z)
+}
 
 /// Fails unless the error of a map is a size.
 pub fn check_map_error(map_error: f64) -> PyResult<()> {
-    match map_error.is_finite() && map_error >= 0.0 {
-        true => bounded("map_error", &[map_error]).or_raise(&[]),
-        false => Err(refuse("map_error", "be finite and not negative", &format!("{map_error:?}"))),
-    }
+    not_negative("map_error", map_error).and_then(|()| bounded("map_error", &[map_error])).or_raise(&[])
 }
 
 impl RockerBogie {
@@ -120,10 +117,7 @@ impl RockerBogie {
 
     /// The belly that is given, or the default one.
     pub fn belly(&self, belly: Option<Plate>) -> Result<Belly, Error> {
-        match belly {
-            Some((rear, front, half_width, z)) => Belly::new([rear, front], half_width, z),
-            None => Ok(Belly::between_wheels(self.0.dimensions())),
-        }
+        belly.map_or_else(|| Ok(Belly::between_wheels(self.0.dimensions())), read_belly)
     }
 }
 
@@ -189,7 +183,7 @@ methods! { RockerBogie:
         let count = rows.len();
         let mut shapes = [(); 8].map(|()| joined(leading, 2));
         shapes[6].push(2); // the bogies
-        let mut results = Out::read(out, RESULTS)?.results(py, shapes, false)?;
+        let mut results = Out::read(out, RESULTS)?.results(py, shapes, None, false)?;
         let mut sides = [memory::filled([0.0; 2], count)?, memory::filled([0.0; 2], count)?];
         let mut status = memory::filled(Knowledge::Bounded, count)?;
         let [z, roll, pitch, tilt, clearance, rocker, bogies, drop] = results.flat();

@@ -7,53 +7,23 @@ use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::{self as core, FRAMES, RockerBogie as Core, WHEELS};
 
 use super::rocker_bogie::RockerBogie;
-use crate::convert::{Named, Output, Rows, compute, given, memory, named, raise, refuse_shape, together};
+use crate::convert::{Output, Rows, compute_rows, given, memory, named, together};
 use crate::workers::any_workers;
 
-/// Angles of the suspension, one row of (rho, beta_1, beta_2) per sample.
-pub struct Joints<'py>(pub Rows<'py>);
+/// The angle of the left rocker and those of the bogies.
+pub fn rocker_and_bogies([rho, left, right]: [f64; 3]) -> (f64, [f64; 2]) {
+    (rho, [left, right])
+}
 
-impl<'py> Joints<'py> {
-    /// Reads `joints`.
-    pub fn read(joints: &Bound<'py, PyAny>) -> PyResult<Self> {
-        Rows::read("joints", joints, 3).map(Self)
+/// One row of all joints per sample; steering angles default to 0.
+fn with_steering(joints: &Rows<'_>, steering: Option<&Rows<'_>>, steered: usize) -> PyResult<Vec<f64>> {
+    let straight = vec![0.0; steered];
+    let mut rows = memory::room(memory::count(&[joints.count(), 3 + steered])?)?;
+    for (k, angles) in joints.triples().iter().enumerate() {
+        rows.extend(angles);
+        rows.extend(steering.map_or(&straight[..], |angles| &angles.flat()[k * steered..][..steered]));
     }
-
-    /// Reads the angles of one sample.
-    pub fn read_one(joints: &Bound<'py, PyAny>) -> PyResult<(f64, [f64; 2])> {
-        let joints = Self::read(joints)?;
-        if !joints.0.is_single() {
-            return Err(refuse_shape("joints", "be one row of shape (3,)", &joints.0.shape()));
-        }
-        Ok(joints.row(0))
-    }
-
-    /// They, to be brought to the leading axes of others.
-    pub fn named(&mut self) -> Named<'_> {
-        named("joints", &mut self.0)
-    }
-
-    /// The angle of the left rocker and those of the bogies in a sample.
-    pub fn row(&self, k: usize) -> (f64, [f64; 2]) {
-        let [rho, left, right] = self.0.triples()[k];
-        (rho, [left, right])
-    }
-
-    /// One row of all joints per sample; steering angles default to 0.
-    pub fn with_steering(&self, steering: Option<&Rows<'_>>, steered: usize) -> PyResult<Vec<f64>> {
-        let straight = vec![0.0; steered];
-        let mut rows = memory::room(memory::count(&[self.0.count(), 3 + steered])?)?;
-        for (k, angles) in self.0.triples().iter().enumerate() {
-            rows.extend(angles);
-            rows.extend(steering.map_or(&straight[..], |angles| &angles.flat()[k * steered..][..steered]));
-        }
-        Ok(rows)
-    }
-
-    /// The exception of a core error, indexed as the argument at fault is.
-    pub fn raise(&self, error: Error) -> PyErr {
-        raise(error, &self.0.leading)
-    }
+    Ok(rows)
 }
 
 /// A kernel of the core that fills an array from rows of joint angles.
@@ -71,15 +41,14 @@ impl RockerBogie {
         workers: Workers,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (joints, steering) = angles;
-        let mut joints = Joints::read(joints)?;
+        let mut joints = Rows::read("joints", joints, 3)?;
         let mut steering = Rows::read_optional("steering", steering, self.steered().len())?;
-        let leading = together([joints.named()].into_iter().chain(given("steering", &mut steering)))?;
-        let rows = joints.with_steering(steering.as_ref(), self.steered().len())?;
+        let leading = together([named("joints", &mut joints)].into_iter().chain(given("steering", &mut steering)))?;
+        let rows = with_steering(&joints, steering.as_ref(), self.steered().len())?;
         let shape: Vec<usize> = [names.len()].into_iter().chain(leading.iter().copied()).chain(last).collect();
         let mut block = Output::fresh(py, &shape)?;
         let target = block.flat();
-        compute(py, joints.0.count(), || level(&self.0, &rows, target, workers))
-            .map_err(|error| joints.raise(error))?;
+        compute_rows(py, joints.count(), &leading, || level(&self.0, &rows, target, workers))?;
         let block = block.finish()?;
         let arrays = PyDict::new(py);
         for (i, name) in names.iter().enumerate() {

@@ -8,7 +8,7 @@ mod rocker_bogie;
 mod steer;
 
 pub use base::Suspension;
-pub use bounds::{PoseBounds, check_map_error};
-pub use chain::Joints;
+pub use bounds::{Plate, PoseBounds, check_map_error, read_belly};
+pub use chain::rocker_and_bogies;
 pub use rocker_bogie::{Link, RockerBogie};
 pub use steer::SteeringCommand;

@@ -41,7 +41,7 @@ methods! { Suspension:
             return Ok(made.into_super().unbind());
         }
         let names = PRESETS.map(|preset| preset.name).join(", ");
-        Err(refuse("name", &format!("be one of {names}, {ZOE}"), &format!("{name:?}")))
+        Err(refuse("name", format!("be one of {names}, {ZOE}"), format!("{name:?}")))
     }
 }
 

@@ -236,8 +236,7 @@ methods! { RockerBogie:
             ),
         };
         if let Some(argument) = unused.into_iter().flatten().next() {
-            let rule = "be left out beside rocker_to_rear or bogie_to_front, which put the bogies in front";
-            return Err(refuse(argument, rule, "a value"));
+            return Err(refuse(argument, "be left out beside rocker_to_rear or bogie_to_front, which put the bogies in front", "a value"));
         }
         let [wheel, to_bogie, first, second] = vectors;
         let all = [rocker_pivot, wheel, to_bogie, first, second, wheel_radius];

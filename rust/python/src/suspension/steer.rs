@@ -4,12 +4,10 @@ use pyo3::prelude::*;
 use six_wheel_kinematics::rover::Inputs;
 use six_wheel_terrain::suspension::WHEELS;
 
-use super::chain::Joints;
+use super::chain::rocker_and_bogies;
 use super::rocker_bogie::RockerBogie;
-use crate::convert::{
-    Output, Results, Rows, Scalars, compute, given, joined, memory, named, scalar_or_array, together,
-};
-use crate::workers::any_workers;
+use crate::convert::{Output, Results, Rows, given, joined, memory, named, scalar_or_array, together};
+use crate::workers::{any_workers, fill_rows};
 
 result_class! {
     /// Steering angles and wheel speeds for a forward speed and a yaw rate.
@@ -47,22 +45,18 @@ methods! { RockerBogie:
     fn icr_offset[&self, py: Python<'py>](joints, *, out=None, dtype=None, threads: Option<i64> = None)
     -> PyResult<Bound<'py, PyAny>> {
         let workers = any_workers(threads, None)?;
-        let joints = Joints::read(joints)?;
-        let rows = memory::gathered((0..joints.0.count()).map(|k| joints.row(k)))?;
-        let mut offsets = Output::asked(py, (out, dtype), &joints.0.leading)?;
+        let joints = Rows::read("joints", joints, 3)?;
+        let rows = joints.triples();
+        let mut offsets = Output::asked(py, (out, dtype), &joints.leading)?;
         if out.is_some() {
             offsets = offsets.beside()?; // a row may be refused after others
         }
         let targets = [(offsets.flat(), 1)];
-        compute(py, rows.len(), || {
-            workers.rows(rows.len(), targets, |k, [target]| {
-                let (rho, beta) = rows[k];
-                let offset = self.0.icr_offset(rho, beta);
-                target[0] = offset.map_err(|error| error.at_row(k))?;
-                Ok(())
-            })
-        })
-        .map_err(|error| joints.raise(error))?;
+        fill_rows(py, workers, rows.len(), &joints.leading, targets, |k, [target]| {
+            let (rho, beta) = rocker_and_bogies(rows[k]);
+            target[0] = self.0.icr_offset(rho, beta).map_err(|error| error.at_row(k))?;
+            Ok(())
+        })?;
         offsets.finish_number(out)
     }
 
@@ -102,44 +96,39 @@ methods! { RockerBogie:
         threads: Option<i64> = None) -> PyResult<SteeringCommand> {
         let workers = any_workers(threads, None)?;
         let steered = self.steered().len();
-        let mut joints = Joints::read(joints)?;
-        let mut speeds = Scalars::read_finite("speed", speed)?;
-        let mut yaw_rates = Scalars::read_finite("yaw_rate", yaw_rate)?;
+        let mut joints = Rows::read("joints", joints, 3)?;
+        let mut speeds = Rows::read_finite_numbers("speed", speed)?;
+        let mut yaw_rates = Rows::read_finite_numbers("yaw_rate", yaw_rate)?;
         let mut previous = Rows::read_optional("previous", previous, steered)?;
         let mut rolling = Rows::read_optional("previous_wheel_speeds", previous_wheel_speeds, WHEELS.len())?;
-        let all = [joints.named(), named("speed", &mut speeds), named("yaw_rate", &mut yaw_rates)]
+        let all = [named("joints", &mut joints), named("speed", &mut speeds), named("yaw_rate", &mut yaw_rates)]
             .into_iter()
             .chain(given("previous", &mut previous))
             .chain(given("previous_wheel_speeds", &mut rolling));
         let leading = together(all)?;
         let (previous, rolling) = (previous.as_ref().map(Rows::flat), rolling.as_ref().map(Rows::flat));
-        let motion = |k| (speeds.at(k), yaw_rates.at(k), joints.row(k));
-        let motions = memory::gathered((0..joints.0.count()).map(motion))?;
+        let (forward, yaw_rates, rows) = (speeds.steps(), yaw_rates.steps(), joints.triples());
         let unsteered = WHEELS.len() - steered;
         let widths = [steered, WHEELS.len(), unsteered];
         let mut results = Results::fresh(py, widths.map(|width| joined(&leading, width)))?;
         let [steering, wheel_speeds, scrub] = results.flat();
-        let mut radii = memory::filled(0.0, motions.len())?;
+        let mut radii = memory::filled(0.0, rows.len())?;
         let targets = [(steering, steered), (wheel_speeds, WHEELS.len()), (scrub, unsteered), (&mut radii[..], 1)];
-        compute(py, motions.len(), || {
-            workers.rows(motions.len(), targets, |k, [angles, speeds, scrubs, radius]| {
-                let (speed, yaw_rate, (rho, beta)) = motions[k];
-                let row = |width: usize| k * width..(k + 1) * width;
-                let inputs = Inputs {
-                    previous: previous.map(|angles| &angles[row(steered)]),
-                    previous_speeds: rolling.map(|speeds| &speeds[row(WHEELS.len())]),
-                    steering_rates: None,
-                };
-                let command = self.0.steer(speed, yaw_rate, rho, beta, inputs);
-                let command = command.map_err(|error| error.at_row(k))?;
-                angles.copy_from_slice(&command.steering);
-                speeds.copy_from_slice(&command.wheel_speeds);
-                scrubs.copy_from_slice(&command.scrub);
-                radius[0] = command.turning_radius;
-                Ok(())
-            })
-        })
-        .map_err(|error| joints.raise(error))?;
+        fill_rows(py, workers, rows.len(), &leading, targets, |k, [angles, speeds, scrubs, radius]| {
+            let (rho, beta) = rocker_and_bogies(rows[k]);
+            let row = |width: usize| k * width..(k + 1) * width;
+            let inputs = Inputs {
+                previous: previous.map(|angles| &angles[row(steered)]),
+                previous_speeds: rolling.map(|speeds| &speeds[row(WHEELS.len())]),
+                steering_rates: None,
+            };
+            let command = self.0.steer(forward.get(k), yaw_rates.get(k), rho, beta, inputs).map_err(|error| error.at_row(k))?;
+            angles.copy_from_slice(&command.steering);
+            speeds.copy_from_slice(&command.wheel_speeds);
+            scrubs.copy_from_slice(&command.scrub);
+            radius[0] = command.turning_radius;
+            Ok(())
+        })?;
         let [steering, wheel_speeds, scrub] = results.finish_arrays()?;
         Ok(SteeringCommand { turning_radius: scalar_or_array(py, radii, &leading)?, steering, wheel_speeds, scrub })
     }

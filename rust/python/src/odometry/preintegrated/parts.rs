@@ -8,7 +8,7 @@ use six_wheel_odometry::preintegrated::space::Motion3;
 use six_wheel_odometry::preintegrated::{Column, DIMENSIONS, PLANE, PreintegratedMotion};
 
 use super::{BIAS, Change, Core, Matrix, NAMES, Preintegrated, SLIPS, Work};
-use crate::convert::{OrRaise, Rows, Scalars, compute, is_interrupted, numbers, raise, refuse};
+use crate::convert::{OrRaise, Rows, compute, is_interrupted, numbers, raise, refuse};
 use crate::state_lock::Shared;
 
 impl Preintegrated {
@@ -94,14 +94,12 @@ impl Preintegrated {
             let name: String = name.extract()?;
             let Some(columns) = self.columns(&name) else {
                 let all = [&NAMES[..], &SLIPS, &[BIAS]].concat().join(", ");
-                let rule = format!("name some of {all}");
-                return Err(refuse("changes", &rule, &format!("'{name}'")));
+                return Err(refuse("changes", format!("name some of {all}"), format!("'{name}'")));
             };
-            let values = Scalars::read("changes", &values)?;
+            let values = Rows::read_numbers("changes", &values)?;
             let given = values.flat();
             if given.len() != 1 && given.len() != columns.len() {
-                let rule = format!("have 1 or {} numbers for {name}", columns.len());
-                return Err(refuse("changes", &rule, &given.len().to_string()));
+                return Err(refuse("changes", format!("have 1 or {} numbers for {name}", columns.len()), given.len()));
             }
             values.check_finite("changes")?;
             let numbers = (0..columns.len()).map(|k| given[k.min(given.len() - 1)]).collect();

@@ -4,15 +4,13 @@ use pyo3::prelude::*;
 use six_wheel_ground_motion::spatial::{Attitude, Pose3, attitude};
 use six_wheel_odometry::preintegrated::space::Motion3;
 
-use crate::convert::{OrRaise, Rows, Scalars, refuse_shape};
-
-/// Places of x, y and yaw among six numbers.
-const PLAN: [usize; 3] = [0, 1, 5];
+use super::super::input::covariance_of;
+use crate::convert::{OrRaise, Rows, refuse_shape};
 
 /// An attitude of one instant.
 pub fn attitude_of(value: &Bound<'_, PyAny>) -> PyResult<Attitude> {
-    let numbers = Scalars::read("attitude", value)?;
-    match numbers.shape.as_slice() {
+    let numbers = Rows::read_numbers("attitude", value)?;
+    match numbers.leading.as_slice() {
         [2..=4] => attitude(numbers.flat()).or_raise(&[]),
         shape => Err(refuse_shape("attitude", "have shape (2,), (3,) or (4,)", shape)),
     }
@@ -20,7 +18,7 @@ pub fn attitude_of(value: &Bound<'_, PyAny>) -> PyResult<Attitude> {
 
 /// Attitudes of a log, and how many numbers each has.
 pub fn attitudes<'py>(value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<(Rows<'py>, usize)> {
-    let shape = Scalars::read("attitude", value)?.shape;
+    let shape = Rows::read_numbers("attitude", value)?.leading;
     let width = match shape.as_slice() {
         [_, width @ 2..=4] => *width,
         _ => return Err(refuse_shape("attitude", "have shape (n, 2), (n, 3) or (n, 4)", &shape)),
@@ -31,8 +29,8 @@ pub fn attitudes<'py>(value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<
 
 /// A pose: six numbers, a matrix, or three in plan.
 pub fn pose(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Pose3> {
-    let numbers = Scalars::read(argument, value)?;
-    match (numbers.shape.as_slice(), numbers.flat()) {
+    let numbers = Rows::read_numbers(argument, value)?;
+    match (numbers.leading.as_slice(), numbers.flat()) {
         ([6], &[x, y, z, roll, pitch, yaw]) => Ok(Pose3::from([x, y, z, roll, pitch, yaw])),
         ([3], &[x, y, yaw]) => Ok(Pose3::from([x, y, 0.0, 0.0, 0.0, yaw])),
         ([4, 4], flat) => {
@@ -47,31 +45,6 @@ pub fn pose(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Pose3>
 
 /// A covariance, zero if it is left out: of six numbers, or of three in plan with this variance for the others.
 pub fn covariance(value: Option<&Bound<'_, PyAny>>, others: f64) -> PyResult<[[f64; 6]; 6]> {
-    let mut matrix = [[0.0; 6]; 6];
-    let Some(value) = value else { return Ok(matrix) };
-    let numbers = Scalars::read("covariance", value)?;
-    let flat = numbers.flat();
-    let all = [0, 1, 2, 3, 4, 5];
-    let (places, square) = match numbers.shape.as_slice() {
-        [6] => (&all[..], false),
-        [6, 6] => (&all[..], true),
-        [3] => (&PLAN[..], false),
-        [3, 3] => (&PLAN[..], true),
-        shape => return Err(refuse_shape("covariance", "have shape (6,), (6, 6), (3,) or (3, 3)", shape)),
-    };
-    if places.len() == 3 {
-        for k in [2, 3, 4] {
-            matrix[k][k] = others;
-        }
-    }
-    for (i, &row) in places.iter().enumerate() {
-        for (k, &column) in places.iter().enumerate() {
-            if square {
-                matrix[row][column] = flat[i * places.len() + k];
-            } else if i == k {
-                matrix[row][row] = flat[i];
-            }
-        }
-    }
-    Ok(matrix)
+    let rule = "have shape (6,), (6, 6), (3,) or (3, 3)";
+    covariance_of(value, &[&[0, 1, 2, 3, 4, 5], &[0, 1, 5]], others, rule)
 }

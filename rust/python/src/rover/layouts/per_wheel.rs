@@ -28,8 +28,7 @@ impl PerWheel<'_, '_> {
         let mut wheels = layout.wheels().to_vec();
         if let Some(names) = &self.names {
             if names.len() != wheels.len() {
-                let rule = format!("hold {} names, one per wheel", wheels.len());
-                return Err(refuse("names", &rule, &names.len().to_string()));
+                return Err(refuse("names", format!("hold {} names, one per wheel", wheels.len()), names.len()));
             }
             for (wheel, name) in wheels.iter_mut().zip(names) {
                 wheel.name.clone_from(name);
@@ -78,7 +77,7 @@ fn each<'py>(
             let (key, value): (Bound<'py, PyAny>, Bound<'py, PyAny>) = item.extract()?;
             let name: String = key.extract().unwrap_or_default();
             let Some(&i) = places.iter().find(|&&i| wheels[i].name == name) else {
-                return Err(refuse(argument, &format!("name wheels of {}", listed()), &key.repr()?.to_string()));
+                return Err(refuse(argument, format!("name wheels of {}", listed()), key.repr()?));
             };
             given.push((i, format!("{argument}[{name:?}]"), value));
         }
@@ -89,7 +88,7 @@ fn each<'py>(
         let values = items(argument, value, MAX_WHEELS)?;
         if values.len() != places.len() {
             let rule = format!("be one value or {}, one each for {}", places.len(), listed());
-            return Err(refuse(argument, &rule, &format!("{} values", values.len())));
+            return Err(refuse(argument, &rule, format!("{} values", values.len())));
         }
         let numbered = places.iter().zip(values).enumerate();
         numbered.map(|(k, (&i, value))| (i, format!("{argument}[{k}]"), value)).collect()

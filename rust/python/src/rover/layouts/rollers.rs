@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use six_wheel_kinematics::rover::Rover as Core;
 
 use super::per_wheel::PerWheel;
-use crate::convert::Scalars;
+use crate::convert::Rows;
 use crate::rover::Rover;
 
 methods! { Rover:
@@ -63,8 +63,8 @@ methods! { Rover:
     as "(positions, headings, wheel_radius, *, roller_angle=1.5707963267948966, names=None, scrub=0.0, trail=0.0)"
     -> PyResult<Self> {
         let positions = super::positions(positions)?;
-        let headings = Scalars::read_finite("headings", headings)?;
-        headings.fit_exactly("headings", &[positions.len()])?;
+        let headings = Rows::read_finite_numbers("headings", headings)?;
+        headings.check_leading("headings", &[positions.len()])?;
         let given = PerWheel { scrub, trail, ..PerWheel::default() };
         given.fit(py, Core::omni(&positions, headings.flat(), names, wheel_radius, roller_angle))
     }
