@@ -61,8 +61,7 @@ def as_poses(name: str, poses: ArrayLike, count: int | None = None, columns: int
         raise ValueError(f"{name} must have shape (n, {columns}), n >= 1, got {rows.shape}")
     if count is not None and len(rows) != count:
         raise ValueError(f"{name} must have shape ({count}, {columns}), got {rows.shape}")
-    good = np.isfinite(rows).all(axis=1)
-    if not good.all():
+    if not (good := np.isfinite(rows).all(axis=1)).all():
         row = int(np.argmin(good))
         raise ValueError(f"{name} must be finite, got {rows[row].tolist()} in row {row}")
     return rows

@@ -97,22 +97,18 @@ def describe(path: Path, options: Options) -> list[tuple[str, str]]:
     if _is_raster(source):
         with _raster(source, options) as raster:
             return raster.description
-    if _is_bag(path):
-        return [
-            ("form", "GridMap of a bag"),
-            ("unit", "1 m"),
-            ("coordinates", "of the frame of its header, in m"),
-        ]
+    form, unit, system = "GridMap of a bag", "1 m", "of the frame of its header, in m"
     if _is_array(source):
-        unit = f"{float(options.unit or 1.0):g} m, {'as asked' if options.unit else 'taken for granted'}"
-        return [("form", f"NumPy, {source.suffix}"), ("unit", unit), ("coordinates", NO_SYSTEM)]
-    reference = _reference(source)
-    unit = "1 m, taken for granted: the file has none"
-    if options.unit is not None or reference.height is not None:
-        said = "as asked" if options.unit is not None else "as its .prj says"
-        unit = f"{float(options.unit or reference.height or 1.0):g} m, {said}"
-    system = f"in units of {reference.plane:g} m by its .prj" if reference != UNKNOWN else NO_SYSTEM
-    return [("form", f"text, {source.suffix}"), ("unit", unit), ("coordinates", system)]
+        said = "as asked" if options.unit else "taken for granted"
+        form, unit, system = f"NumPy, {source.suffix}", f"{float(options.unit or 1.0):g} m, {said}", NO_SYSTEM
+    elif not _is_bag(path):
+        reference, form = _reference(source), f"text, {source.suffix}"
+        unit = "1 m, taken for granted: the file has none"
+        if options.unit is not None or reference.height is not None:
+            said = "as asked" if options.unit is not None else "as its .prj says"
+            unit = f"{float(options.unit or reference.height or 1.0):g} m, {said}"
+        system = f"in units of {reference.plane:g} m by its .prj" if reference != UNKNOWN else NO_SYSTEM
+    return [("form", form), ("unit", unit), ("coordinates", system)]
 
 
 @contextlib.contextmanager

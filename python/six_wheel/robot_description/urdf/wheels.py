@@ -224,10 +224,10 @@ def _doubt(joint: Joint, wheel: FoundWheel, place: str | None, notes: Notes) -> 
     axle, side = said
     x, y = wheel.centre[:2]
     if side is not None and ((side == "left") != (y > 0.0)) and abs(y) > ROUNDING:
-        there = f"at y = {y:.4g} m, on the {'left' if y > 0 else 'right'}"
-        message = f"{joint.name} says {side}, but its wheel is {there}"
-        notes.warn(message, "the geometry decides", line=joint.line, key=joint.name)
+        word, there = side, f"at y = {y:.4g} m, on the {'left' if y > 0 else 'right'}"
     elif axle is not None and place is not None and "_" in place and axle not in place:
-        there = f"the {place.replace('_', ' ')} one, at x = {x:.4g} m"
-        message = f"{joint.name} says {axle}, but its wheel is {there}"
-        notes.warn(message, "the geometry decides", line=joint.line, key=joint.name)
+        word, there = axle, f"the {place.replace('_', ' ')} one, at x = {x:.4g} m"
+    else:
+        return
+    message = f"{joint.name} says {word}, but its wheel is {there}"
+    notes.warn(message, "the geometry decides", line=joint.line, key=joint.name)

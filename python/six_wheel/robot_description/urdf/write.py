@@ -96,7 +96,7 @@ class _Description:
         self.control = Element("ros2_control", name=name, type="system")
         hardware = SubElement(self.control, "hardware")
         SubElement(hardware, "plugin").text = "mock_components/GenericSystem"
-        self._taken: set[str] = set()
+        self._links: dict[str, Element] = {}
 
     def flat(self, rover: Rover) -> Element:
         """Every wheel on the body, whose frame lies on the ground."""
@@ -139,7 +139,9 @@ class _Description:
                 # Of a bar that is nearly so; what it is exactly stands among the parameters of the left one.
                 SubElement(hinge, "mimic", joint="left_rocker_joint", multiplier="-1.0", offset="0.0")
             elif (bar := said.get("differential_bar")) is not None:
-                self.note(f"{rocker}_joint", "differential_bar", _numbers(bar))
+                self.control_entry(
+                    f"{rocker}_joint", None, {"differential_bar": _numbers(bar)}, ("position",)
+                )
             self.hinge(
                 f"{bogie}_joint",
                 rocker,
@@ -164,12 +166,11 @@ class _Description:
 
     def link(self, name: str, mass: float = 1.0, size: float = 0.1) -> Element:
         """A link with an inertia, which simulations ask for."""
-        if name in self._taken:
+        if name in self._links:
             raise ValueError(f"wheels and joints must not be called {name}, which a link is called already")
         if not name.isprintable():
             raise ValueError(f"wheels must be called by visible characters, got {name!r}")
-        self._taken.add(name)
-        link = SubElement(self.robot, "link", name=name)
+        link = self._links[name] = SubElement(self.robot, "link", name=name)
         inertial = SubElement(link, "inertial")
         SubElement(inertial, "mass", value=_numbers([mass]))
         diagonal = repr(0.4 * mass * size * size)
@@ -194,21 +195,21 @@ class _Description:
             SubElement(joint, "limit", lower=lower, upper=upper, effort=EFFORT, velocity=VELOCITY)
         return joint
 
-    def command(self, joint: str, interface: str | None, parameters: Mapping[str, str]) -> None:
-        """An entry of ros2_control: what commands a joint, and what is noted of the wheel it turns."""
+    def control_entry(
+        self,
+        joint: str,
+        interface: str | None,
+        parameters: Mapping[str, str],
+        states: tuple[str, ...] = ("position", "velocity"),
+    ) -> None:
+        """An entry of ros2_control: what commands a joint, its states, and what is noted of what it turns."""
         entry = SubElement(self.control, "joint", name=joint)
         if interface is not None:
             SubElement(entry, "command_interface", name=interface)
-        for state in ("position", "velocity"):
+        for state in states:
             SubElement(entry, "state_interface", name=state)
         for name, value in parameters.items():
             SubElement(entry, "param", name=name).text = value
-
-    def note(self, joint: str, name: str, value: str) -> None:
-        """An entry of ros2_control for a joint that nothing commands, with a parameter."""
-        entry = SubElement(self.control, "joint", name=joint)
-        SubElement(entry, "state_interface", name="position")
-        SubElement(entry, "param", name=name).text = value
 
     def wheel(self, rover: Rover, wheel: Wheel, holder: str, at: Point, *, centre: bool = False) -> None:
         """A wheel and what steers it; `at` is its pivot, or its centre where that is what the model has."""
@@ -228,7 +229,7 @@ class _Description:
                 limit = (-limit[1], -limit[0])
             self.link(pillar, mass=0.1)
             self.hinge(steering, holder, pillar, at, upright, limit, yaw)
-            self.command(steering, None if wheel.castor else "position", {})
+            self.control_entry(steering, None if wheel.castor else "position", {})
             # The offset in the axes of the steered wheel, where nothing has been turned yet.
             holder, yaw = pillar, 0.0
             below = ORIGIN if centre else (-wheel.trail, wheel.scrub, 0.0)
@@ -239,9 +240,8 @@ class _Description:
         index = str(rover.wheel_names.index(wheel.name))
         numbers = {key: getattr(wheel, key) for key in NUMBERS}
         noted = {key: repr(value) for key, value in numbers.items() if value or key in ("x", "y")}
-        self.command(
-            joint, "velocity" if wheel.driven else None, {"wheel": wheel.name, "index": index} | noted
-        )
+        noted = {"wheel": wheel.name, "index": index} | noted
+        self.control_entry(joint, "velocity" if wheel.driven else None, noted)
         core = 0.6 * wheel.radius if wheel.roller_angle is not None else wheel.radius
         for part, radius in (("visual", core), ("collision", wheel.radius)):
             self.cylinder(link, part, radius, WIDTH * wheel.radius, (math.pi / 2.0, 0.0, 0.0))
@@ -280,18 +280,16 @@ class _Description:
 
     def beam(self, name: str, end: Point) -> None:
         """Adds a visual beam from the origin of a link to another of its hinges."""
-        link = next(each for each in self.robot.iter("link") if each.get("name") == name)
         x, y, z = end
         length = math.sqrt(x * x + y * y + z * z)
         if length > 0.0:
             middle = (x / 2.0, y / 2.0, z / 2.0)
             rpy = (0.0, math.atan2(math.hypot(x, y), z), math.atan2(y, x))
-            self.cylinder(link, "visual", BEAM, length, rpy, middle, "body")
+            self.cylinder(self._links[name], "visual", BEAM, length, rpy, middle, "body")
 
     def box(self, name: str, size: Point, at: Point) -> None:
         """The body, as far as it is seen."""
-        link = next(each for each in self.robot.iter("link") if each.get("name") == name)
-        shape = SubElement(link, "visual")
+        shape = SubElement(self._links[name], "visual")
         SubElement(shape, "origin", xyz=_numbers(at), rpy=_numbers(ORIGIN))
         SubElement(SubElement(shape, "geometry"), "box", size=_numbers(size))
         SubElement(shape, "material", name="body")
