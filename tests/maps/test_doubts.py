@@ -170,7 +170,7 @@ def test_the_command_line_reads_what_is_proposed(
     uttered: tuple[Path, Uttered], heard: list[str], run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Drawing takes a second, and tells nothing about options.
-    monkeypatch.setattr("six_wheel.cli.commands.show._save", lambda figure, target: target)
+    monkeypatch.setattr("six_wheel.plotting.saving.save", lambda figure, target: target)
     monkeypatch.setattr("six_wheel.plotting.ground.map.map_figure", lambda *given, **more: None)
     path, case = uttered
     error = refusal(path, case.options)
