@@ -80,9 +80,9 @@ macro_rules! pickled_by_fields {
     };
 }
 
-/// Copies of an object that takes in samples, and the refusal to pickle it: `copied_by! { Class, remedy, |this, py| copy }`.
-macro_rules! copied_by {
-    ($class:ident, $remedy:literal, |$this:ident, $py:ident| $copy:expr) => {
+/// Copies of an object that takes in samples: `copied! { Class, |this, py| copy }`.
+macro_rules! copied {
+    ($class:ident, |$this:ident, $py:ident| $copy:expr) => {
         #[pymethods]
         impl $class {
             fn __copy__($this: &Bound<'_, Self>) -> PyResult<Self> {
@@ -93,7 +93,17 @@ macro_rules! copied_by {
             fn __deepcopy__(slf: &Bound<'_, Self>, _memo: &Bound<'_, PyAny>) -> PyResult<Self> {
                 Self::__copy__(slf)
             }
+        }
+    };
+}
 
+/// [`copied`], and the refusal to pickle it: `copied_by! { Class, remedy, |this, py| copy }`.
+macro_rules! copied_by {
+    ($class:ident, $remedy:literal, |$this:ident, $py:ident| $copy:expr) => {
+        copied! { $class, |$this, $py| $copy }
+
+        #[pymethods]
+        impl $class {
             fn __reduce__(&self) -> PyResult<()> {
                 let words = concat!(stringify!($class), " takes in samples and does not pickle: ", $remedy);
                 Err(pyo3::exceptions::PyTypeError::new_err(words))

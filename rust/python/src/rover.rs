@@ -21,7 +21,7 @@ use six_wheel_kinematics::presets::{PRESETS, Preset};
 use six_wheel_kinematics::rover::Rover as Core;
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::units::{self, Question};
-use six_wheel_terrain::suspension::WHEELS;
+use six_wheel_terrain::suspension::{RockerBogie as Arm, WHEELS};
 
 use crate::arguments::ArgumentKind;
 use crate::classes::{reduce, repr_of_call};
@@ -91,6 +91,10 @@ fn driven(core: &Core) -> Vec<usize> {
 }
 
 impl Rover {
+    fn arm(&self) -> Option<&Arm> {
+        self.suspension.as_ref().map(|arm| &arm.get().0)
+    }
+
     /// The rover of a core one, with joints under their default names.
     pub fn named(py: Python<'_>, core: Result<Core, six_wheel_numerics::error::Error>) -> PyResult<Self> {
         let core = core.or_raise(&[])?;
@@ -356,12 +360,8 @@ impl Rover {
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| {
             let other = other.get();
-            let suspension = |rover: &Self| {
-                let arm = rover.suspension.as_ref();
-                arm.map(|arm| arm.get().0.clone())
-            };
             (&self.core, &self.traction, &self.steering) == (&other.core, &other.traction, &other.steering)
-                && suspension(self) == suspension(other)
+                && self.arm() == other.arm()
         })
     }
 

@@ -1,6 +1,5 @@
 //! `six_wheel.Preintegrated`.
 
-mod copies;
 mod parts;
 
 use numpy::{PyArray1, PyArray2, ToPyArray};
@@ -280,6 +279,11 @@ methods! { Preintegrated:
         Ok(self.with(merged.or_raise(&[])?, py))
     }
 }
+
+copied! { Preintegrated, |this, py| {
+    let core = this.work.lock(py)?.core.clone();
+    Ok(this.with(core, py))
+} }
 
 #[pymethods]
 impl Preintegrated {

@@ -1,18 +1,18 @@
 //! `Suspension.settle` and `six_wheel.SettledPose`: chains on ground.
 
-mod fastcall;
 mod stability;
 mod stand;
 
 use pyo3::prelude::*;
+use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::ground::{self, Settler, Status};
 
 use crate::convert::{Rows, compute, memory, named, raise, read_point, together};
+use crate::fastcall::{self, Answer, Arguments, three};
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
 use crate::workers::any_workers;
 
-pub use fastcall::install;
 pub use stability::{Feasibility, MarginJacobian, Stability};
 pub use stand::Stand;
 
@@ -97,4 +97,30 @@ methods! { Suspension:
             derivatives,
         })
     }
+}
+
+/// Puts the quick way before the method of the class.
+pub fn install(py: Python<'_>) -> PyResult<()> {
+    fastcall::install::<2, SettleCall>(py)
+}
+
+fast_method!(SettleCall<2>: Suspension, c"settle", [c"ground", c"poses"], 2, settle);
+
+#[inline(always)]
+fn settle<'py>(this: Borrowed<'_, 'py, Suspension>, [ground, pose]: Arguments<'_, 'py, 2>) -> Answer<'py> {
+    let (py, suspension) = (this.py(), this.get());
+    let (ground, pose) = (&ground?.cast::<Terrain>().ok()?.get().0, three(pose?)?);
+    let settler = Settler::new(ground, &suspension.chain);
+    let mut stands = vec![ground::Stand::nothing(Status::NotConverged)];
+    ground::settle(&settler, &[pose], &[], Workers::PLAIN, &mut stands).ok()?;
+    let stand = Stand {
+        suspension: this.to_owned().unbind(),
+        ground: ground.clone(),
+        poses: vec![pose],
+        steering: Vec::new(),
+        stands,
+        leading: Vec::new(),
+        derivatives: false,
+    };
+    Some(Bound::new(py, stand).ok()?.into_any())
 }

@@ -74,6 +74,41 @@ impl RockerBogie {
         Ok(PyClassInitializer::from(base).add_subclass(Self(core, UsualPlans::new())))
     }
 
+    /// The rover with these vectors, in the order of [`Bogie::names`], and this radius of the wheels. What may be left
+    /// out: the limits of steering, rockers and bogies, and the bar of the differential.
+    fn read(
+        py: Python<'_>,
+        bogie: Bogie,
+        vectors: [&Bound<'_, PyAny>; 5],
+        wheel_radius: &Bound<'_, PyAny>,
+        steered: &str,
+        [steering_limit, rocker_limit, bogie_limit, bar]: [Option<&Bound<'_, PyAny>>; 4],
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let names = bogie.names();
+        let steering = steering(py, steering_limit)?;
+        let read = |k: usize| numbers(names[k], vectors[k]);
+        let (rocker_pivot, rocker_to_wheel, rocker_to_bogie) = (read(0)?, read(1)?, read(2)?);
+        Self::build(Core::new(Dimensions {
+            rocker_pivot,
+            rocker_to_wheel,
+            rocker_to_bogie,
+            bogie_to_wheels: [read(3)?, read(4)?],
+            bogie,
+            wheel_radius: number("wheel_radius", wheel_radius)?,
+            steered: steered.parse::<Steered>().or_raise(&[])?,
+            steering,
+            rocker_limit: joint_range("rocker_limit", rocker_limit)?,
+            bogie_limit: joint_range("bogie_limit", bogie_limit)?,
+            differential: match bar {
+                None => Differential::Gear,
+                Some(bar) => {
+                    let [half_length, lever, rod] = numbers("differential_bar", bar)?;
+                    Differential::Bar { half_length, lever, rod }
+                }
+            },
+        }))
+    }
+
     pub(super) fn named(py: Python<'_>, core: Result<Core, Error>) -> PyResult<Py<Self>> {
         Py::new(py, Self::build(core)?)
     }
@@ -176,50 +211,6 @@ getters! { RockerBogie, self, py:
     };
 }
 
-/// Place of the bogies, and the dimensions that may be left out.
-struct Given<'a, 'py> {
-    bogie: Bogie,
-    steered: &'a str,
-    steering_limit: Option<&'a Bound<'py, PyAny>>,
-    rocker_limit: Option<&'a Bound<'py, PyAny>>,
-    bogie_limit: Option<&'a Bound<'py, PyAny>>,
-    differential_bar: Option<&'a Bound<'py, PyAny>>,
-}
-
-impl Given<'_, '_> {
-    /// The rover with these vectors, in the order of [`Bogie::names`], and this radius of the wheels.
-    fn build(
-        self,
-        py: Python<'_>,
-        vectors: [&Bound<'_, PyAny>; 5],
-        wheel_radius: &Bound<'_, PyAny>,
-    ) -> PyResult<PyClassInitializer<RockerBogie>> {
-        let names = self.bogie.names();
-        let steering = steering(py, self.steering_limit)?;
-        let read = |k: usize| numbers(names[k], vectors[k]);
-        let (rocker_pivot, rocker_to_wheel, rocker_to_bogie) = (read(0)?, read(1)?, read(2)?);
-        RockerBogie::build(Core::new(Dimensions {
-            rocker_pivot,
-            rocker_to_wheel,
-            rocker_to_bogie,
-            bogie_to_wheels: [read(3)?, read(4)?],
-            bogie: self.bogie,
-            wheel_radius: number("wheel_radius", wheel_radius)?,
-            steered: self.steered.parse::<Steered>().or_raise(&[])?,
-            steering,
-            rocker_limit: joint_range("rocker_limit", self.rocker_limit)?,
-            bogie_limit: joint_range("bogie_limit", self.bogie_limit)?,
-            differential: match self.differential_bar {
-                None => Differential::Gear,
-                Some(bar) => {
-                    let [half_length, lever, rod] = numbers("differential_bar", bar)?;
-                    Differential::Bar { half_length, lever, rod }
-                }
-            },
-        }))
-    }
-}
-
 methods! { RockerBogie:
     #[new]
     fn new[py: Python<'py>](rocker_pivot=None, rocker_to_front=None, rocker_to_bogie=None, bogie_to_middle=None,
@@ -245,8 +236,8 @@ methods! { RockerBogie:
         let [Some(pivot), Some(wheel), Some(to_bogie), Some(first), Some(second), Some(radius)] = all else {
             return Err(refuse_type(&missing.join(", "), "be given", "nothing"));
         };
-        let given = Given { bogie, steered, steering_limit, rocker_limit, bogie_limit, differential_bar };
-        given.build(py, [pivot, wheel, to_bogie, first, second], radius)
+        let optional = [steering_limit, rocker_limit, bogie_limit, differential_bar];
+        Self::read(py, bogie, [pivot, wheel, to_bogie, first, second], radius, steered, optional)
     }
 
     /// A rover whose bogies are behind and carry the middle and the rear wheels, as on Perseverance.
@@ -269,10 +260,9 @@ methods! { RockerBogie:
         differential_bar=None, **)
     as "(rocker_pivot, rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear, wheel_radius, steered='corners', steering_limit=None, *, rocker_limit=None, bogie_limit=None, differential_bar=None)"
     -> PyResult<Py<Self>> {
-        let given =
-            Given { bogie: Bogie::Behind, steered, steering_limit, rocker_limit, bogie_limit, differential_bar };
+        let optional = [steering_limit, rocker_limit, bogie_limit, differential_bar];
         let vectors = [rocker_pivot, rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear];
-        Py::new(py, given.build(py, vectors, wheel_radius)?)
+        Py::new(py, Self::read(py, Bogie::Behind, vectors, wheel_radius, steered, optional)?)
     }
 
     /// A rover whose bogies are in front and carry the front and the middle wheels, as on the Open Source Rover.
@@ -295,10 +285,9 @@ methods! { RockerBogie:
         differential_bar=None, **)
     as "(rocker_pivot, rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle, wheel_radius, steered='corners', steering_limit=None, *, rocker_limit=None, bogie_limit=None, differential_bar=None)"
     -> PyResult<Py<Self>> {
-        let given =
-            Given { bogie: Bogie::InFront, steered, steering_limit, rocker_limit, bogie_limit, differential_bar };
+        let optional = [steering_limit, rocker_limit, bogie_limit, differential_bar];
         let vectors = [rocker_pivot, rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle];
-        Py::new(py, given.build(py, vectors, wheel_radius)?)
+        Py::new(py, Self::read(py, Bogie::InFront, vectors, wheel_radius, steered, optional)?)
     }
 }
 
