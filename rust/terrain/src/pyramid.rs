@@ -128,15 +128,26 @@ impl Pyramid {
         let end = [((x_last + one) - size).max(x), ((y_last + one) - size).max(y)];
         let (first, last) = (y.mul_add(columns, level), end[1].mul_add(columns, level));
         // SAFETY: the windows begin at cells between the ends of the box.
+        (unsafe { self.corners([x, end[0]], [first, last]) }, fits)
+    }
+
+    /// Extremes over the four windows that begin in these columns and rows, the latter as places of their first cells.
+    ///
+    /// # Safety
+    ///
+    /// They begin at cells of the map.
+    #[inline(always)]
+    unsafe fn corners<S: Vector>(&self, [x, x_end]: [Lanes<S>; 2], [first, last]: [Lanes<S>; 2]) -> Lanes<S> {
+        // SAFETY: as the caller promises.
         let (a, b, c, d) = unsafe {
             (
                 (first + x).pairs(&self.windows),
-                (first + end[0]).pairs(&self.windows),
+                (first + x_end).pairs(&self.windows),
                 (last + x).pairs(&self.windows),
-                (last + end[0]).pairs(&self.windows),
+                (last + x_end).pairs(&self.windows),
             )
         };
-        (a.least_pairs(b).least_pairs(c.least_pairs(d)), fits)
+        a.least_pairs(b).least_pairs(c.least_pairs(d))
     }
 
     /// Highest height over a box of cells as [`Self::around`] gives it, to the bit, from the heights themselves [m]: infinity
@@ -190,15 +201,7 @@ impl Pyramid {
         let end = [(x_last + one) - size, (y_last + one) - size];
         let (first, last) = (y.mul_add(columns, level), end[1].mul_add(columns, level));
         // SAFETY: the windows begin at cells between the ends of the box.
-        let (a, b, c, d) = unsafe {
-            (
-                (first + x).pairs(&self.windows),
-                (first + end[0]).pairs(&self.windows),
-                (last + x).pairs(&self.windows),
-                (last + end[0]).pairs(&self.windows),
-            )
-        };
-        let span = span.least_pairs(a.least_pairs(b)).least_pairs(c.least_pairs(d));
+        let span = span.least_pairs(unsafe { self.corners([x, end[0]], [first, last]) });
         let longer = boxes.on_map & (size + size).lt(long);
         if !longer.any() {
             return span;
