@@ -69,7 +69,7 @@ impl Chain {
             let carrier = if of.bogie.carries(pair) { 2 + side } else { side };
             let centre = on_side(of.to_wheel(pair), side);
             let steering = of.steered.wheels().iter().position(|&other| other == wheel);
-            wheels.push(mount(&mut parts, name, carrier, centre, of.wheel_radius, steering));
+            wheels.push(mount(&mut parts, name.into(), Some(carrier), centre, of.wheel_radius, steering));
         }
         let joint = |name: &'static str, range| Joint { name: name.into(), range };
         let joints =
@@ -111,7 +111,7 @@ impl Chain {
             let steering = of.steered[pair].then_some(joint);
             joint += usize::from(of.steered[pair]);
             let centre = on_side(centre, side);
-            wheels.push(mount(&mut parts, name, carrier, centre, of.wheel_radius, steering));
+            wheels.push(mount(&mut parts, name.into(), Some(carrier), centre, of.wheel_radius, steering));
         }
         let joints = ["beta_1", "beta_2", "beta_3"].map(|name| Joint { name: name.into(), range: of.bogie_limit });
         Self::new(parts, wheels, joints.into(), vec![of.steering; joint])
@@ -168,27 +168,10 @@ impl Chain {
         let (mut parts, mut mounts, mut ranges) = (Vec::new(), Vec::new(), Vec::new());
         for (name, centre, range) in wheels {
             finite("wheels", centre)?;
-            let name = (*name).to_owned();
-            let centre = Vector3::from(*centre);
-            let Some(range) = range else {
-                mounts.push(Mount { name: name.into(), part: None, centre, radius: wheel_radius });
-                continue;
-            };
-            range.check()?;
-            parts.push(ChainLink {
-                name: format!("{name} steering").into(),
-                parent: None,
-                origin: centre,
-                axis: Vector3::z_axis(),
-                turning: Turning::Steering(ranges.len()),
-            });
-            mounts.push(Mount {
-                name: name.into(),
-                part: Some(parts.len() - 1),
-                centre: Vector3::zeros(),
-                radius: wheel_radius,
-            });
-            ranges.push(*range);
+            let steering = range.map(|range| range.check().map(|()| ranges.push(range))).transpose()?;
+            let joint = steering.map(|()| ranges.len() - 1);
+            let name = Cow::Owned((*name).to_owned());
+            mounts.push(mount(&mut parts, name, None, Vector3::from(*centre), wheel_radius, joint));
         }
         Self::new(parts, mounts, Vec::new(), ranges)
     }
@@ -202,19 +185,18 @@ fn on_side([x, y, z]: [f64; 3], side: usize) -> Vector3<f64> {
 /// A wheel on its carrier, behind a knuckle if it steers.
 fn mount(
     parts: &mut Vec<ChainLink>,
-    name: &'static str,
-    carrier: usize,
+    name: Cow<'static, str>,
+    carrier: Option<usize>,
     centre: Vector3<f64>,
     radius: f64,
     steering: Option<usize>,
 ) -> Mount {
-    let name = Cow::Borrowed(name);
     let Some(joint) = steering else {
-        return Mount { name, part: Some(carrier), centre, radius };
+        return Mount { name, part: carrier, centre, radius };
     };
     parts.push(ChainLink {
         name: format!("{name} steering").into(),
-        parent: Some(carrier),
+        parent: carrier,
         origin: centre,
         axis: Vector3::z_axis(),
         turning: Turning::Steering(joint),
