@@ -54,11 +54,11 @@ impl Allowed {
 
     /// Angles for which the boxes of the bounds have to cover the wheels.
     fn within(&self) -> Within {
-        let up_to = |angle: f64, at_most: f64| angle.min(at_most.to_radians());
+        let Within { attitude, rocker, bogie } = Within::wide();
         Within {
-            attitude: up_to(self.roll.max(self.pitch).min(self.tilt), 25.0),
-            rocker: up_to(self.rocker, 20.0),
-            bogie: up_to(self.bogie, 38.0),
+            attitude: attitude.min(self.roll.max(self.pitch).min(self.tilt)),
+            rocker: rocker.min(self.rocker),
+            bogie: bogie.min(self.bogie),
         }
     }
 }
