@@ -3,9 +3,9 @@
 use super::Controller;
 use super::joints::Into;
 use super::way::Route;
+use crate::motion::Motion;
 use crate::motion::envelope::Envelope;
 use crate::motion::goal::Goal;
-use crate::motion::{Held, Motion};
 use six_wheel_kinematics::geometry::Twist;
 
 /// Pieces of the arc ahead that are tried, each half as long.
@@ -145,7 +145,7 @@ impl Controller {
             }
             return 0;
         }
-        let (limits, change) = self.envelope.turn_limits();
+        let [rate, change] = self.envelope.turn.map(|cap| cap.value);
         let ahead = wanted.filter(|(end, ..)| {
             let way = self.envelope.end - self.turn.value;
             self.envelope.turning && way * (end - self.turn.value) > 0.0
@@ -160,12 +160,8 @@ impl Controller {
         };
         let before = self.turn;
         let held;
-        (self.turn, held) = self.turn.approach(target, limits, change, dt);
-        let mut reasons = match held {
-            Held::No => 0,
-            Held::Rate => self.envelope.turn[0].reason,
-            Held::Change => self.envelope.turn[1].reason,
-        };
+        (self.turn, held) = self.turn.approach(target, [rate; 2], change, dt);
+        let mut reasons = held.reason(self.envelope.turn[0].reason, self.envelope.turn[1].reason);
         if let (Some((end, sign, exact)), Some(goal)) = (wanted, goal) {
             self.rerouted |= !exact;
             if exact && self.turn == Motion::at(end) {

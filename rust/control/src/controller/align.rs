@@ -71,7 +71,7 @@ impl Controller {
                 Some(place) => {
                     let wheel = &self.rover.wheels()[self.rover.steered()[place]];
                     let range = wheel.steering().unwrap_or_default();
-                    range.clip(self.following.hold(k).unwrap_or(motion.stop(change)))
+                    range.clip(self.following.holds[k].unwrap_or(motion.stop(change)))
                 }
                 // Held straight by the mode.
                 None => 0.0,
@@ -79,11 +79,7 @@ impl Controller {
             let (motion, held) = motion.approach(target, rates, change, dt);
             moved |= motion.value != *angle;
             there &= held == Held::No;
-            reasons |= match held {
-                Held::No => 0,
-                Held::Rate => reason::STEERING_RATE,
-                Held::Change => reason::STEERING_ACCELERATION,
-            };
+            reasons |= held.reason(reason::STEERING_RATE, reason::STEERING_ACCELERATION);
             *angle = motion.value;
             self.steering_rates[k] = motion.rate;
         }

@@ -46,7 +46,7 @@ impl Controller {
     /// The speed falls so that the fastest wheel slows down over the ground by `halt_deceleration`, the direction stays,
     /// and joints that turn brake within their limits.
     pub(super) fn brake(&mut self, dt: f64) -> u32 {
-        let stuck = self.following.stuck();
+        let stuck = self.following.stuck;
         let reasons = reason::HALTED | stuck.map_or(0, |_| reason::JOINT_STUCK);
         if self.at_rest_with_joints() && stuck.is_some() {
             self.aligned = false;

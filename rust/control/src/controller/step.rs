@@ -199,11 +199,7 @@ impl Controller {
         let forward = Motion { value: value * sign, rate: rate * sign };
         let (moved, held) = forward.approach(goal.max(0.0), rates, change, dt);
         let slower = usize::from(moved.rate > 0.0);
-        reasons |= match held {
-            Held::No => 0,
-            Held::Rate => self.envelope.rates[slower].reason,
-            Held::Change => self.envelope.change.reason,
-        };
+        reasons |= held.reason(self.envelope.rates[slower].reason, self.envelope.change.reason);
         if held == Held::No && goal < 0.0 && rates[0].is_infinite() && change.is_infinite() {
             self.speed = Motion::default();
             return reasons | self.change_speed(target, bridle, dt);

@@ -8,12 +8,12 @@ impl Controller {
     /// Measured angles minus those last commanded [rad], if the last step was given any. That of a joint without an end
     /// is the shorter way round.
     pub fn joint_errors(&self) -> Option<&[f64]> {
-        self.following.errors()
+        self.following.measured.then_some(&self.following.errors)
     }
 
     /// The joint that is stuck, or else the one with the largest error above the tolerance.
     pub fn worst_joint(&self) -> Option<usize> {
-        let errors = || self.following.errors().into_iter().flatten().map(|error| error.abs()).enumerate();
+        let errors = || self.joint_errors().into_iter().flatten().map(|error| error.abs()).enumerate();
         let worst = || errors().filter(|(_, error)| *error > self.options.align_tolerance);
         self.following.stuck.or_else(|| Some(worst().max_by(|(_, a), (_, b)| a.total_cmp(b))?.0))
     }

@@ -167,11 +167,6 @@ impl Envelope {
         envelope
     }
 
-    /// Rates and change of the turn, and of the speed, as [`Motion::approach`] takes them.
-    pub fn turn_limits(&self) -> ([f64; 2], f64) {
-        ([self.turn[0].value; 2], self.turn[1].value)
-    }
-
     /// Highest rate of the turn on the way from `angle` to its end [rad/s], which is not to come sooner than `dt`.
     pub fn promise(&self, angle: f64, dt: f64) -> f64 {
         let [rate, change] = self.turn.map(|cap| cap.value);

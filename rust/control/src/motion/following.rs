@@ -33,19 +33,4 @@ impl Following {
         self.holds.fill(None);
         self.stuck = None;
     }
-
-    /// The angle at which a stuck joint is held [rad].
-    pub fn hold(&self, joint: usize) -> Option<f64> {
-        self.holds[joint]
-    }
-
-    /// The joint that is stuck.
-    pub fn stuck(&self) -> Option<usize> {
-        self.stuck
-    }
-
-    /// The errors of the last step.
-    pub fn errors(&self) -> Option<&[f64]> {
-        self.measured.then_some(&self.errors)
-    }
 }

@@ -33,6 +33,17 @@ pub enum Held {
     Change,
 }
 
+impl Held {
+    /// The reason of the limit, of those of the rate and of its change; 0 for none.
+    pub fn reason(self, rate: u32, change: u32) -> u32 {
+        match self {
+            Self::No => 0,
+            Self::Rate => rate,
+            Self::Change => change,
+        }
+    }
+}
+
 impl Motion {
     /// At rest.
     pub fn at(value: f64) -> Self {
