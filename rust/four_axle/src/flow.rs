@@ -4,7 +4,7 @@ use nalgebra::{Rotation2, Vector2};
 
 use super::{Axles, Brake, Brakes, Drives, FourAxle, Motion, State, Step};
 use six_wheel_kinematics::geometry::{Pose, Twist};
-use six_wheel_numerics::error::{Error, ErrorKind, finite, number};
+use six_wheel_numerics::error::{Error, ErrorKind, finite, not_negative, number, positive};
 use six_wheel_numerics::threads::workers::{BETWEEN_CHECKS, IsInterrupted};
 
 /// A step is halved until halving changes nothing by more than this [rad, m]; well above the rounding of the
@@ -152,14 +152,10 @@ impl FourAxle {
     fn check_sequence(&self, start: State, sequence: &[Step], dt: f64) -> Result<usize, Error> {
         self.check_angles(&start.angles)?;
         finite("pose", &<[f64; 3]>::from(start.pose))?;
-        six_wheel_numerics::error::positive("dt", dt)?;
+        positive("dt", dt)?;
         let mut samples = 0.0;
         for (row, step) in sequence.iter().enumerate() {
-            if !(step.duration.is_finite() && step.duration >= 0.0) {
-                let rule = "be finite and not negative";
-                let error = Error::value("duration", rule, number(step.duration));
-                return Err(error.at_row(row));
-            }
+            not_negative("duration", step.duration).map_err(|error| error.at_row(row))?;
             self.check_speeds(&step.speeds).map_err(|error| error.at_row(row))?;
             samples += (step.duration / dt).ceil().max(1.0);
         }

@@ -28,7 +28,7 @@ use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::{Inputs, Rover};
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::wheels::{Rows, Wheel};
-use six_wheel_numerics::error::{Error, ErrorKind, finite, number, numbers, positive};
+use six_wheel_numerics::error::{Error, ErrorKind, finite, not_negative, number, numbers, positive};
 use six_wheel_numerics::jacobi::Jacobi;
 
 pub use brakes::{Brake, Brakes, Pair};
@@ -71,9 +71,7 @@ impl FourAxle {
     ) -> Result<Self, Error> {
         let [x, y] = pivots;
         positive("pivots[0]", x)?;
-        if !(y.is_finite() && y >= 0.0) {
-            return Err(Error::value("pivots[1]", "be finite and not negative", number(y)));
-        }
+        not_negative("pivots[1]", y)?;
         positive("axle_length", axle_length)?;
         positive("wheel_radius", wheel_radius)?;
         if !(tolerance.is_finite() && (SLIP_TOLERANCE..1.0).contains(&tolerance)) {
@@ -318,6 +316,11 @@ impl FourAxle {
     fn along(&self, i: usize, rows: &[Rows; 4], twist: &Vector3<f64>) -> f64 {
         rows[i].rolling.dot(twist) + self.rover.wheels()[i].scrub * twist.z
     }
+}
+
+/// Singular values of the side-slip rows of a pair, and the motions that belong to them.
+fn pair_motions(side_slip: &Matrix4x3<f64>, pair: Pair) -> Jacobi<2, 3> {
+    Jacobi::new(&SMatrix::from_rows(&pair.axles().map(|axle| side_slip.row(axle).into_owned())))
 }
 
 /// The nearest side-slip rows of axle lines that share a point, and the twists orthogonal to them.

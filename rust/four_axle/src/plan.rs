@@ -12,7 +12,7 @@ use super::glide::PivotTransition;
 use super::{Axles, Brake, Brakes, Drives, FourAxle, Pair, State, Step};
 use six_wheel_kinematics::admissible::SLIP_TOLERANCE;
 use six_wheel_kinematics::geometry::Twist;
-use six_wheel_numerics::error::{Error, finite, number, numbers, positive};
+use six_wheel_numerics::error::{Error, finite, not_negative, number, numbers, positive};
 
 /// Angles nearer to each other than this are one [rad].
 const SAME_ANGLE: f64 = 1e-12;
@@ -45,11 +45,7 @@ impl Pace {
     fn check(self) -> Result<(), Error> {
         finite("speed", &[self.speed])?;
         positive("pivot_rate", self.pivot_rate)?;
-        if self.brake_time.is_finite() && self.brake_time >= 0.0 {
-            return Ok(());
-        }
-        let rule = "be finite and not negative";
-        Err(Error::value("brake_time", rule, number(self.brake_time)))
+        not_negative("brake_time", self.brake_time)
     }
 }
 

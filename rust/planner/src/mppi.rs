@@ -5,13 +5,13 @@ use super::costmap::Costmap;
 use super::cycle::{CycleInput, CycleOutput, State};
 use super::engine::{MppiConstants, RolloutEngine, SampledRollouts};
 use super::kernels::RolloutInput;
-use super::options::{Options, Precision, not_negative};
+use super::options::{Options, Precision};
 use super::smooth::smooth;
 use crate::motion::limits::RoverLimits;
 use crate::numbers::BLOCK;
 use six_wheel_control::controller::Limits;
 use six_wheel_kinematics::rover::Rover;
-use six_wheel_numerics::error::{Error, finite, number};
+use six_wheel_numerics::error::{Error, finite, not_negative, number};
 use six_wheel_numerics::threads::workers::Workers;
 
 /// A sampling planner of one rover.

@@ -1,7 +1,7 @@
 //! Options of a planner.
 
 use super::cost::Weights;
-use six_wheel_numerics::error::{Error, finite, number};
+use six_wheel_numerics::error::{Error, finite, not_negative, positive};
 
 /// Sizes beyond which a planner would not fit anywhere.
 const MOST: usize = 1 << 24;
@@ -62,20 +62,6 @@ impl Default for Options {
             footprint: vec![[0.0; 2]],
         }
     }
-}
-
-fn positive(argument: &'static str, value: f64) -> Result<(), Error> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(Error::value(argument, "be finite and positive", number(value)))
-}
-
-pub(crate) fn not_negative(argument: &'static str, value: f64) -> Result<(), Error> {
-    if value.is_finite() && value >= 0.0 {
-        return Ok(());
-    }
-    Err(Error::value(argument, "be finite and not negative", number(value)))
 }
 
 impl Options {

@@ -8,7 +8,7 @@ use crate::motion::steering_setpoint;
 use crate::numbers::BLOCK;
 use six_wheel_control::controller::Limits;
 use six_wheel_kinematics::rover::Rover;
-use six_wheel_numerics::error::{Error, finite, number};
+use six_wheel_numerics::error::{Error, finite, not_negative, positive};
 use six_wheel_numerics::threads::workers::Workers;
 
 /// Motion of a rover at the start of rollouts.
@@ -36,13 +36,8 @@ pub fn rollout(
     poses: &mut [[f64; 3]],
     workers: Workers,
 ) -> Result<(), Error> {
-    if !(dt.is_finite() && dt > 0.0) {
-        return Err(Error::value("dt", "be finite and positive", number(dt)));
-    }
-    if !(present.delay.is_finite() && present.delay >= 0.0) {
-        let got = number(present.delay);
-        return Err(Error::value("delay", "be finite and not negative", got));
-    }
+    positive("dt", dt)?;
+    not_negative("delay", present.delay)?;
     finite("controls", controls.as_flattened())?;
     finite("start", starts.as_flattened())?;
     finite("twist", &present.twist)?;

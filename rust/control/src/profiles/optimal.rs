@@ -6,7 +6,7 @@
 use super::Profile;
 use super::limits::{Bounds, Moving, Synchronise};
 use super::ruckig::solve;
-use six_wheel_numerics::error::{Error, number};
+use six_wheel_numerics::error::{Error, finite, number, positive};
 
 /// The fastest course of every axis from `start` to `end` within `bounds`, or one that takes `duration` [s].
 ///
@@ -28,12 +28,7 @@ pub fn time_optimal(
     for (end, bounds) in end.iter().zip(bounds) {
         bounds.check(end)?;
     }
-    if let Some(duration) = duration
-        && !(duration.is_finite() && duration > 0.0)
-    {
-        let rule = "be finite and positive";
-        return Err(Error::value("duration", rule, number(duration)));
-    }
+    duration.map_or(Ok(()), |duration| positive("duration", duration))?;
     let least = solve(start, end, bounds, synchronise, None)?;
     let Some(duration) = duration else {
         return Ok(least);
@@ -65,7 +60,7 @@ fn check_finite(names: [&'static str; 3], states: &[Moving]) -> Result<(), Error
     for state in states {
         let values = [state.value, state.velocity, state.acceleration];
         for (name, value) in names.into_iter().zip(values) {
-            six_wheel_numerics::error::finite(name, &[value])?;
+            finite(name, &[value])?;
         }
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! All that does not change while odometry in space works.
 
-use six_wheel_numerics::error::{Error, number};
+use six_wheel_numerics::error::{Error, not_negative};
 use six_wheel_odometry::settings::Settings;
 use six_wheel_terrain::suspension::Chain;
 
@@ -26,9 +26,7 @@ impl Settings3 {
         self.common.check_for(chain.wheels().len(), chain.steering().len())?;
         let deviations = [("attitude_noise", self.attitude_noise), ("joint_noise", self.joint_noise)];
         for (argument, value) in deviations {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(Error::value(argument, "be finite and not negative", number(value)));
-            }
+            not_negative(argument, value)?;
         }
         Ok(())
     }
