@@ -114,10 +114,7 @@ fn rests(twist: Twist, x: f64, y: f64) -> bool {
 impl Chord {
     /// The chord from one twist to another with wheels that stand at these angles; both twists must be possible.
     pub fn between(rover: &Rover, start: Twist, end: Twist, angles: &[f64]) -> ChordFeasibility {
-        let mut aligned = angles.to_vec();
-        let mut speeds = vec![0.0; rover.wheels().len()];
-        let inputs = Inputs { previous: Some(angles), ..Inputs::default() };
-        rover.solve(end, inputs, &mut aligned, &mut speeds);
+        let [aligned, _] = solved(rover, end, Some(angles));
         let mut joints = Vec::with_capacity(angles.len());
         for (j, &i) in rover.steered().iter().enumerate() {
             let wheel = &rover.wheels()[i];
@@ -178,25 +175,33 @@ impl Chord {
         let mut low = 0.0;
         for k in 0..=cells {
             let wanted = whole * k as f64 / cells as f64;
-            let (mut a, mut b) = (low, 1.0);
             if k == 0 || k == cells {
                 nodes.push(k as f64 / cells as f64);
                 continue;
             }
-            for _ in 0..50 {
-                let middle = f64::midpoint(a, b);
-                if self.measure(middle) < wanted {
-                    a = middle;
-                } else {
-                    b = middle;
-                }
-            }
+            let [a, b] = bisect([low, 1.0], 50, |s| self.measure(s) < wanted);
             low = a;
             nodes.push(f64::midpoint(a, b));
         }
         nodes.dedup();
         nodes
     }
+}
+
+/// Steering angles and wheel speeds of a twist, the angles next to the present ones; it need not be possible.
+pub(crate) fn solved(rover: &Rover, twist: Twist, previous: Option<&[f64]>) -> [Vec<f64>; 2] {
+    let (mut angles, mut speeds) = (vec![0.0; rover.steered().len()], vec![0.0; rover.wheels().len()]);
+    rover.solve(twist, Inputs { previous, ..Inputs::default() }, &mut angles, &mut speeds);
+    [angles, speeds]
+}
+
+/// Halves an interval at whose first end something holds and at whose last it does not, and returns the ends that are left.
+pub(crate) fn bisect([mut first, mut last]: [f64; 2], halvings: usize, holds: impl Fn(f64) -> bool) -> [f64; 2] {
+    for _ in 0..halvings {
+        let middle = f64::midpoint(first, last);
+        *if holds(middle) { &mut first } else { &mut last } = middle;
+    }
+    [first, last]
 }
 
 /// True if a motor turns the wheel.

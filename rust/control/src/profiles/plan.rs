@@ -3,14 +3,14 @@
 use nalgebra::Vector3;
 
 use super::Profile;
-use super::chord::{Chord, ChordFeasibility};
+use super::chord::{Chord, ChordFeasibility, is_driven, solved};
 use super::laws::{IcrLimits, laws};
 use super::limits::{Bounds, Moving, Synchronise};
 use super::optimal::time_optimal;
 use super::phase::{Action, Motion, Phase};
 use super::timing::{Smoothness, TimeParametrization};
 use six_wheel_kinematics::geometry::Twist;
-use six_wheel_kinematics::rover::{Inputs, Rover};
+use six_wheel_kinematics::rover::Rover;
 use six_wheel_numerics::error::{Error, ErrorKind, number, numbers};
 
 /// Angles that differ by less are the same [rad].
@@ -61,10 +61,8 @@ impl TransitionPlanner<'_> {
 
     /// Speed of the fastest driven wheel [rad/s].
     fn fastest(&self, twist: Twist) -> f64 {
-        let mut speeds = vec![0.0; self.rover.wheels().len()];
-        let mut angles = vec![0.0; self.rover.steered().len()];
-        self.rover.solve(twist, Inputs::default(), &mut angles, &mut speeds);
-        let driven = (0..speeds.len()).filter(|&i| super::chord::is_driven(self.rover, i));
+        let [_, speeds] = solved(self.rover, twist, None);
+        let driven = (0..speeds.len()).filter(|&i| is_driven(self.rover, i));
         driven.fold(0.0, |most: f64, i| most.max(speeds[i].abs()))
     }
 
@@ -100,17 +98,9 @@ impl TransitionPlanner<'_> {
 
     /// Largest angle by which a wheel has to turn in any case [rad].
     fn least_turning(&self, angles: &[f64], end: Twist) -> f64 {
-        let aligned = self.aligned(angles, end);
+        let [aligned, _] = solved(self.rover, end, Some(angles));
         let turns = angles.iter().zip(&aligned).map(|(a, b)| (a - b).abs());
         turns.fold(0.0, f64::max)
-    }
-
-    fn aligned(&self, angles: &[f64], twist: Twist) -> Vec<f64> {
-        let mut aligned = angles.to_vec();
-        let inputs = Inputs { previous: Some(angles), ..Inputs::default() };
-        let mut speeds = vec![0.0; self.rover.wheels().len()];
-        self.rover.solve(twist, inputs, &mut aligned, &mut speeds);
-        aligned
     }
 
     /// Two chords where one will not do, for a rover whose centre of rotation may be anywhere.

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::chord::solved;
 use super::laws::pivot_swing;
 use super::limits::{Bounds, Moving, Synchronise};
 use super::optimal::time_optimal;
@@ -103,19 +104,15 @@ impl BodyTransition {
     /// A rover that moves by a profile of `vx`, `vy` and `omega`; `previous` are the steering angles before it.
     pub fn new(rover: &Rover, profile: Profile, previous: Option<&[f64]>) -> Result<Self, Error> {
         check_trail(rover)?;
-        let inputs = Inputs { previous, ..Inputs::default() };
-        inputs.check()?;
+        Inputs { previous, ..Inputs::default() }.check()?;
         let ends = [("start_twist", 0.0), ("end_twist", profile.duration())];
         for (argument, time) in ends {
             rover
                 .check(twist_at(&profile, time)[0].into(), None)
                 .map_err(|error| Error { argument: argument.into(), ..error })?;
         }
-        let mut angles = vec![0.0; rover.steered().len()];
-        let mut speeds = vec![0.0; rover.wheels().len()];
-        let start = twist_at(&profile, 0.0)[0].into();
-        rover.solve(start, inputs, &mut angles, &mut speeds);
-        Ok(Self { rover: rover.clone(), profile, previous: angles })
+        let [previous, _] = solved(rover, twist_at(&profile, 0.0)[0].into(), previous);
+        Ok(Self { rover: rover.clone(), profile, previous })
     }
 
     /// As fast as limits of the acceleration and jerk of vx and vy each, and of omega, allow.

@@ -7,7 +7,7 @@
 //! Reachability Analysis, IEEE Trans. Robotics 34(3), 2018). With a limit of the steering jerk that result is
 //! smoothed by a moving average and stretched until the limit holds: feasible, and no more than that.
 
-use super::chord::Chord;
+use super::chord::{Chord, bisect};
 use super::laws::Constraint;
 use super::{Axis, Derivatives, Piece};
 
@@ -140,16 +140,7 @@ fn binding(chord: &Chord, laws: &[Constraint]) -> TimeParametrization {
         while from < to {
             let mut until = to;
             if current != last {
-                let (mut a, mut b) = (from, to);
-                for _ in 0..HALVINGS {
-                    let middle = f64::midpoint(a, b);
-                    if strictest(laws, middle) == current {
-                        a = middle;
-                    } else {
-                        b = middle;
-                    }
-                }
-                until = b;
+                [_, until] = bisect([from, to], HALVINGS, |s| strictest(laws, s) == current);
             }
             let bound = ActiveConstraint { start: clock, from, to: until, law: laws[current] };
             let time = bound.time();
@@ -260,7 +251,7 @@ impl TimeSegment<'_> {
             let (least, most) = self.room(square);
             least <= most
         };
-        let (mut low, mut high) = (0.0, ceiling);
+        let mut high = ceiling;
         if high == f64::INFINITY {
             high = 1.0;
             while possible(high) && high < 1e300 {
@@ -270,15 +261,7 @@ impl TimeSegment<'_> {
         if possible(high) {
             return high;
         }
-        for _ in 0..60 {
-            let middle = f64::midpoint(low, high);
-            if possible(middle) {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        low
+        bisect([0.0, high], 60, possible)[0]
     }
 }
 
