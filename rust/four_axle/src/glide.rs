@@ -4,14 +4,13 @@
 //! turn at constant speeds, those of the locked pair follow: constant speeds of its wheels would hold the
 //! centre where it is.
 
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::Vector3;
 
 use super::flow::gauss;
-use super::{Axles, Brake, Brakes, Drives, FourAxle, Pair, RANK_TOLERANCE};
+use super::{Axles, Brake, Brakes, Drives, FourAxle, Pair, RANK_TOLERANCE, pair_motions};
 use six_wheel_kinematics::admissible::SLIP_TOLERANCE;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_numerics::error::number;
-use six_wheel_numerics::jacobi::Jacobi;
 
 /// Share of the asked pivot rate, and of the speed, that has to be left at every point of a turn under way.
 const LEAST_SHARE: f64 = 0.1;
@@ -80,11 +79,7 @@ impl<'a> Path<'a> {
             end[i] = goal[i];
         }
         let normals = car.side_slip(&start);
-        let [first, second] = pair.other().axles();
-        let held = Jacobi::new(&SMatrix::<f64, 2, 3>::from_rows(&[
-            normals.row(first).into_owned(),
-            normals.row(second).into_owned(),
-        ]));
+        let held = pair_motions(&normals, pair.other());
         if held.values.y > SLIP_TOLERANCE {
             return Err(format!(
                 "the {other} axles are not in line: locked they hold the centre of rotation where their \

@@ -5,10 +5,10 @@
 //! any angles one of the two is allowed, so that a standing robot can always hand over from one pair to the
 //! other.
 
-use nalgebra::{Matrix2, SMatrix, Vector2, Vector3};
+use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::brakes::{Brake, Brakes, Pair};
-use super::{Axles, FourAxle, RANK_TOLERANCE};
+use super::{Axles, FourAxle, RANK_TOLERANCE, pair_motions};
 use six_wheel_numerics::error::{Error, ErrorKind, numbers};
 use six_wheel_numerics::jacobi::Jacobi;
 
@@ -65,14 +65,9 @@ impl FourAxle {
     /// Sets both brakes: locks first, but where that would freeze the robot, releases first.
     pub fn switch(&self, angles: &Axles, from: Brakes, to: Brakes) -> Result<Brakes, Error> {
         let pairs = [Pair::Rear, Pair::Front];
-        let locks = |brakes| {
-            let wanted = pairs.into_iter().filter(|pair| to.of(*pair) == Brake::Locked);
-            wanted.into_iter().try_fold(brakes, |brakes, pair| self.lock(angles, brakes, pair))
-        };
-        let releases = |brakes| {
-            let wanted = pairs.into_iter().filter(|pair| to.of(*pair) == Brake::Free);
-            wanted.into_iter().try_fold(brakes, |brakes, pair| self.release(angles, brakes, pair))
-        };
+        let wanted = |brake: Brake| pairs.into_iter().filter(move |pair| to.of(*pair) == brake);
+        let locks = |from| wanted(Brake::Locked).try_fold(from, |brakes, pair| self.lock(angles, brakes, pair));
+        let releases = |from| wanted(Brake::Free).try_fold(from, |brakes, pair| self.release(angles, brakes, pair));
         locks(from).and_then(releases).or_else(|refused| releases(from).and_then(locks).map_err(|_| refused))
     }
 
@@ -80,11 +75,7 @@ impl FourAxle {
     fn remedy(&self, angles: &Axles, pair: Pair) -> Option<[f64; 2]> {
         let normals = self.side_slip(angles);
         let [left, right] = pair.axles();
-        let [first, second] = pair.other().axles();
-        let held = Jacobi::new(&SMatrix::<f64, 2, 3>::from_rows(&[
-            normals.row(first).into_owned(),
-            normals.row(second).into_owned(),
-        ]));
+        let held = pair_motions(&normals, pair.other());
         let (one, two) = (held.turn.column(2), held.turn.column(1));
         let slip = |motion: &Vector3<f64>| {
             Vector2::new(normals.row(left).transpose().dot(motion), normals.row(right).transpose().dot(motion))
