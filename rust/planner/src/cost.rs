@@ -150,6 +150,16 @@ impl Weights {
     }
 }
 
+/// The first of x, y, cosine and sine of some rollouts at a step of a track.
+#[inline(always)]
+fn quantities<S: Vector, R: Float, const N: usize>(simd: S, step: &[R], at: usize) -> [Lanes<S, R>; N] {
+    let mut quantities = [Lanes::constant(simd, 0.0); N];
+    for (k, quantity) in quantities.iter_mut().enumerate() {
+        *quantity = Lanes::from_slice(simd, &step[k * BLOCK + at..]);
+    }
+    quantities
+}
+
 /// Terms of the costs of a cycle, positions counted from its start.
 pub(crate) struct CostTerms<'a, R> {
     pub map: Option<&'a Costmap>,
@@ -194,7 +204,8 @@ impl<R: Float> CostTerms<'_, R> {
         let mut distance = number(0.0);
         let weight = number(self.weights.goal * self.dt);
         for step in track.chunks_exact(TRACK * BLOCK) {
-            let (x, y) = (Lanes::from_slice(simd, &step[at..]) - gx, Lanes::from_slice(simd, &step[BLOCK + at..]) - gy);
+            let [x, y] = quantities(simd, step, at);
+            let (x, y): (Lanes<S, R>, Lanes<S, R>) = (x - gx, y - gy);
             [_, distance] = x.mul_add(x, y * y).roots();
             sum = distance.mul_add(weight, sum);
         }
@@ -202,8 +213,7 @@ impl<R: Float> CostTerms<'_, R> {
         let Some(([cos, sin], end)) = self.goal_heading.zip(track.chunks_exact(TRACK * BLOCK).next_back()) else {
             return sum;
         };
-        let c = Lanes::<S, R>::from_slice(simd, &end[2 * BLOCK + at..]);
-        let s = Lanes::<S, R>::from_slice(simd, &end[3 * BLOCK + at..]);
+        let [_, _, c, s] = quantities(simd, end, at);
         let turned = one - c.mul_add(number(cos), s * number(sin));
         (turned / (one + distance)).mul_add(number(self.weights.goal_yaw), sum)
     }
@@ -216,13 +226,12 @@ impl<R: Float> CostTerms<'_, R> {
         let mut worst_of_all = zero;
         let lethal = number(map.lethal().unwrap_or(f64::INFINITY));
         for step in track.chunks_exact(TRACK * BLOCK) {
-            let [x, y] = [Lanes::<S, R>::from_slice(simd, &step[at..]), Lanes::from_slice(simd, &step[BLOCK + at..])];
+            let [x, y] = quantities(simd, step, at);
             for (k, point) in self.points.iter().enumerate() {
                 let (mut px, mut py) = (x, y);
                 if *point != [0.0; 2] {
                     let (ux, uy) = (number(point[0]), number(point[1]));
-                    let c = Lanes::from_slice(simd, &step[2 * BLOCK + at..]);
-                    let s = Lanes::from_slice(simd, &step[3 * BLOCK + at..]);
+                    let [_, _, c, s] = quantities(simd, step, at);
                     px = c.mul_add(ux, px) - s * uy;
                     py = s.mul_add(ux, py) + c * uy;
                 }
@@ -274,27 +283,21 @@ impl<R: Float> CostTerms<'_, R> {
         let begin = number(self.progress);
         let mut place = begin;
         for step in track.chunks_exact(TRACK * BLOCK) {
-            let (x, y) =
-                (Lanes::<S, R>::from_slice(simd, &step[at..]), Lanes::<S, R>::from_slice(simd, &step[BLOCK + at..]));
+            let [x, y, c, s] = quantities(simd, step, at);
             let whole = (place * per_spacing).floor().min(last);
             let mut index = [R::default(); BLOCK];
             whole.as_index().copy_to_slice(&mut index);
-            let mut columns = [[R::default(); BLOCK]; 4];
+            let mut columns = [R::default(); TRACK * BLOCK];
             for lane in 0..lanes {
                 let point = self.path[index[lane].to_index()];
-                for (column, part) in columns.iter_mut().zip(point) {
+                for (column, part) in columns.chunks_exact_mut(BLOCK).zip(point) {
                     column[lane] = part;
                 }
             }
-            let [px, py] = [Lanes::<S, R>::from_slice(simd, &columns[0]), Lanes::from_slice(simd, &columns[1])];
-            let [tx, ty] = [Lanes::<S, R>::from_slice(simd, &columns[2]), Lanes::from_slice(simd, &columns[3])];
+            let [px, py, tx, ty] = quantities(simd, &columns, 0);
             let (dx, dy) = (x - px, y - py);
             let wanted = dx.mul_add(tx, dy * ty) + whole * spacing;
             place = wanted.max(zero).min(length);
-            let (c, s) = (
-                Lanes::<S, R>::from_slice(simd, &step[2 * BLOCK + at..]),
-                Lanes::<S, R>::from_slice(simd, &step[3 * BLOCK + at..]),
-            );
             let across = c * ty - s * tx;
             sum = (across * across).mul_add(askew, sum);
             let (beyond, aside) = (wanted - place, dx * ty - dy * tx);
