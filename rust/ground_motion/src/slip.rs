@@ -113,29 +113,3 @@ fn quantile(degrees: usize, probability: f64) -> f64 {
     }
     0.5 * (low + high)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quantiles_are_those_of_the_tables() {
-        // Printed tables of the chi-squared distribution, to their last digit.
-        for (degrees, probability, value) in [
-            (1, 0.05, 3.841_458_820_694_124),
-            (2, 0.01, 9.210_340_371_976_182),
-            (3, 0.05, 7.814_727_903_251_179),
-            (6, 0.001, 22.457_744_484_825_32),
-        ] {
-            assert!((quantile(degrees, probability) - value).abs() < 1e-11 * value);
-        }
-        assert!((survival(2, 3.0) - (-1.5_f64).exp()).abs() < 1e-15);
-        assert!((survival(2, 30.0) - (-15.0_f64).exp()).abs() < 1e-20);
-    }
-
-    #[test]
-    fn a_covariance_that_is_none_is_refused() {
-        let test = SlipTest::new(&[0.1, 0.0], &[1.0, 2.0, 2.0, 1.0], 0.01);
-        assert!(test.is_err_and(|error| error.to_string().starts_with("covariance must")));
-    }
-}
