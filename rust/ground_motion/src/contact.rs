@@ -72,12 +72,12 @@ impl ContactPlane {
 
     /// The direction in which the wheel rolls.
     pub fn tangent(&self) -> Vector3<f64> {
-        self.frame.forward * self.at.cos + self.frame.up * self.at.sin
+        self.frame.tangent(self.at)
     }
 
     /// From its centre to the touching point [m].
     pub fn centre_to_contact(&self) -> Vector3<f64> {
-        (self.frame.forward * self.at.sin - self.frame.up * self.at.cos) * self.radius
+        self.frame.spoke(self.at) * self.radius
     }
 }
 

@@ -163,8 +163,7 @@ impl<const N: usize> Answer<'_, N> {
     fn contact(&self, wheel: usize) -> Option<[Vector3<f64>; N]> {
         let (frame, contact) = (self.placed.wheel(wheel), &self.stand.wheels[wheel]);
         let (radius, at) = (self.chain.wheels()[wheel].radius, contact.at);
-        let spoke = frame.forward * at.sin - frame.up * at.cos;
-        let tangent = frame.forward * at.cos + frame.up * at.sin;
+        let (spoke, tangent) = (frame.spoke(at), frame.tangent(at));
         let point = frame.centre + spoke * radius;
         let [mut moved, turned] = self.carried(wheel, point, tangent);
         if let (By::Dimension(_), Some(by_radius)) = (self.by, moved.last_mut()) {

@@ -62,9 +62,7 @@ pub fn by_dimension(
         for (rate, shift) in rates.iter_mut().zip(shift_by_dimension(of, placed, wheel)) {
             *rate = upwards.dot(&shift);
         }
-        let frame = placed.wheel(wheel);
-        let spoke = frame.forward * contact.at.sin - frame.up * contact.at.cos;
-        rates[DIMENSIONS - 1] = upwards.dot(&spoke);
+        rates[DIMENSIONS - 1] = upwards.dot(&placed.wheel(wheel).spoke(contact.at));
         rates
     })
 }

@@ -141,7 +141,7 @@ impl Stand {
 /// A point of a wheel's rim, from where the chain's coordinates count [m].
 pub fn rim_point(chain: &Chain, placed: &Placed<'_>, wheel: usize, at: Direction) -> Vector3<f64> {
     let frame = placed.wheel(wheel);
-    frame.centre + (frame.forward * at.sin - frame.up * at.cos) * chain.wheels()[wheel].radius
+    frame.centre + frame.spoke(at) * chain.wheels()[wheel].radius
 }
 
 /// Derivatives of a wheel's gap by x, y and yaw, and by z, roll, pitch and the free angles, steering held. The

@@ -5,6 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::chain::{Chain, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, PlanPose, State, Turning};
 use super::kinematics::{JointAngles, MatrixPose, WorldPoses};
 use super::lanes::{Turned, Vectors};
+use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
@@ -71,6 +72,20 @@ pub struct WheelFrame {
     pub axle: Vector3<f64>,
     /// Unit vector of its steering axis, upwards.
     pub up: Vector3<f64>,
+}
+
+impl WheelFrame {
+    /// Unit vector from the centre to the rim at a contact angle.
+    #[inline]
+    pub fn spoke(&self, at: Direction) -> Vector3<f64> {
+        self.forward * at.sin - self.up * at.cos
+    }
+
+    /// Unit vector along the rim there: the derivative of the spoke by the angle.
+    #[inline]
+    pub fn tangent(&self, at: Direction) -> Vector3<f64> {
+        self.forward * at.cos + self.up * at.sin
+    }
 }
 
 /// Derivatives of a point by x, y, yaw, z, roll, pitch and the free angles.
