@@ -119,14 +119,21 @@ def main() -> None:
     start = time.monotonic()
     crates, tests = touched(changed())
     cargo = ("--profile", "quick", "--locked", "--quiet")
-    packages = [f"--package=six-wheel-{crate.replace('_', '-')}" for crate in crates if crate != "python"]
+    # Of a crate whose tests are all programs, these; of another those of its modules, which take less time.
+    kinds = {
+        crate: "--tests" if "test = false" in (ROOT / "rust" / crate / "Cargo.toml").read_text() else "--lib"
+        for crate in crates
+        if crate != "python"
+    }
     only: tuple[str, ...] = ()
     if below := EVERYWHERE.intersection(crates):
         print(f"quick: {', '.join(sorted(below))}: every kernel is compiled anew, for the scalar level alone")
         only = ("--features=six-wheel-numerics/scalar-only",)
     run("check", "cargo", "check", "--workspace", "--all-targets", *cargo)
-    if packages:
-        run(f"tests of {', '.join(crates)}", "cargo", "test", "--lib", *packages, *only, *cargo)
+    for kind in sorted(set(kinds.values())):
+        alike = [crate for crate in kinds if kinds[crate] == kind]
+        packages = [f"--package=six-wheel-{crate.replace('_', '-')}" for crate in alike]
+        run(f"tests of {', '.join(alike)}", "cargo", "test", kind, *packages, *only, *cargo)
     run("build", "cargo", "build", "--package=six-wheel-py", "--no-default-features", *only, *cargo)
     put_together()
     pytest = (sys.executable, "-m", "pytest", "-q", "-n", "2", "-m", "not slow", "-p", "no:cacheprovider")
