@@ -128,9 +128,9 @@ profiling: $(VENV)/installed ## the installed module with names and lines for pe
 	cargo build --profile profiling --locked --package six-wheel-py
 	cp target/profiling/lib_core.so $$($(BIN)/python -c "import six_wheel._core as core; print(core.__file__)")
 
+# Clippy is last: beside `make test-rust` it waits for cargo's lock.
 lint: $(VENV)/installed ## what has to be clean before a change lands
 	cargo fmt --all --check
-	cargo clippy --workspace --all-targets --locked -- -D warnings
 	$(BIN)/python -m tests.house.structure
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -138,6 +138,7 @@ lint: $(VENV)/installed ## what has to be clean before a change lands
 	PYTHONPATH=python $(BIN)/lint-imports
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest six_wheel._core
+	cargo clippy --workspace --all-targets --locked -- -D warnings
 
 format:
 	cargo fmt --all
