@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from six_wheel import parallel
-from six_wheel.parallel import Failure, Journal, JournalError, collect, spread
+from six_wheel.parallel import Failure, Journal, JournalError, collect, spread, spreading
 from tests.parallel import parallel_jobs as jobs
 
 ITEMS = list(range(12))
@@ -61,6 +61,18 @@ def test_an_item_that_kills_every_process_is_the_only_one_given_up() -> None:
     outcomes = collect(jobs.deadly, range(8), workers=2)
     assert outcomes.values == [0, 1, None, 3, 4, 5, 6, 7]
     assert outcomes.failures == {2: Failure("WorkerDied", "its process died 3 times")}
+
+
+def test_a_process_may_start_while_a_pool_ends() -> None:
+    """The thread of a pool whose process had died met a new one among those it went through, and failed."""
+    pool = spreading._Pool(2)
+    processes = pool._processes
+    processes[1] = "a process"
+    for _ in processes.values():
+        processes[2] = "another"
+    assert list(processes) == [1, 2]
+    processes.clear()
+    pool.end()
 
 
 def test_a_worker_killed_from_outside_loses_nothing(local_cluster: Any) -> None:

@@ -192,6 +192,13 @@ def _failure(error: BaseException) -> Failure:
 # --- processes of this machine ---------------------------------------------------------------------------
 
 
+class _Processes(dict[int, Any]):
+    """Processes of a pool by their ids: one may start while the pool's thread looks at all of them."""
+
+    def values(self) -> Any:
+        return tuple(super().values())
+
+
 class _Pool(ProcessPoolExecutor):
     """Processes that end with the run, or with the process that started it: they hold one end of a pipe."""
 
@@ -200,11 +207,12 @@ class _Pool(ProcessPoolExecutor):
         context = multiprocessing.get_context("spawn")
         ended, self._running = context.Pipe(duplex=False)
         super().__init__(workers, context, _begin, (ended,))
+        self._processes: dict[int, Any] = _Processes()
 
     def end(self) -> None:
         """Stop all processes at once, also those that are still starting: nobody waits for their items."""
         self._running.close()
-        for process in list((self._processes or {}).values()):
+        for process in (self._processes or {}).values():
             process.kill()
         self.shutdown(cancel_futures=True)
 
