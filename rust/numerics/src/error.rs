@@ -35,6 +35,8 @@ pub struct Error {
 
 impl Error {
     /// A wrong value.
+    #[cold]
+    #[inline(never)] // calls that succeed stay small
     pub fn value(argument: impl Into<Cow<'static, str>>, rule: impl ToString, value: impl ToString) -> Self {
         let (rule, value) = (rule.to_string(), value.to_string());
         Self { kind: ErrorKind::Value, argument: argument.into(), row: None, rule, value }
