@@ -239,7 +239,7 @@ def draw_legend(target: Axes | Figure, *lines: Any, **options: Any) -> None:
 
 
 def covariance_ellipse(position: Floats, covariance: Floats, **look: Any) -> Ellipse:
-    """Where a position is in 95 of 100 cases, by its covariance (2, 2)."""
+    """The ellipse that holds a position in 95 of 100 cases, by its covariance (2, 2)."""
     values, vectors = np.linalg.eigh(covariance)
     wide, high = 2.0 * np.sqrt(LIKELY * np.maximum(values[::-1], 0.0))
     turn = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))

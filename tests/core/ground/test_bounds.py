@@ -195,7 +195,7 @@ def test_what_is_not_known_is_said() -> None:
     ("options", "message"),
     [
         ({"yaw_margin": -1.0}, "yaw_margin must be finite and not negative, got -1.0"),
-        ({"position_margin": [math.nan]}, "position_margin must be finite and not negative, got nan"),
+        ({"position_margin": [math.nan]}, "position_margin must be finite and not negative, got NaN"),
         ({"map_error": math.inf}, "map_error must be finite and not negative, got inf"),
         ({"within": (0.2, 0.0, 0.1)}, "rocker must be positive and at most 40 degrees, got 0"),
         ({"belly": (1.0, 0.0, 0.5, 0.5)}, "belly must be rear and front edge in order"),

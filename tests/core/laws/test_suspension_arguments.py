@@ -46,7 +46,7 @@ def test_no_rows_give_no_rows():
         (lambda: ROCKY.frames([(0, 0, 0), (math.nan, 0, 0)]), r"joints\[1\] must be finite, got \(nan, "),
         (lambda: ROCKY.jacobians([(0, 0, 0), (0, 0, math.inf)]), r"joints\[1\] must be finite"),
         (lambda: ROCKY.frames((0, 0, 0), (0, math.nan)), r"steering must be finite, got \(0\.0, nan\)"),
-        (lambda: ROCKY.planar([(0, 0, 0)]), r"joints must have shape \(3,\), got shape \(1, 3\)"),
+        (lambda: ROCKY.planar([(0, 0, 0)]), r"joints must be one row of shape \(3,\), got shape \(1, 3\)"),
         (lambda: ROCKY.planar((0.0, 0, math.nan)), r"joints must be finite"),
         (lambda: ROCKY.icr_offset([[(0, 0, 0), (0, 0, math.nan)]]), r"joints\[0, 1\] must be finite"),
         (lambda: ROCKY.steer(math.nan, 0, (0, 0, 0)), r"speed must be finite, got nan"),

@@ -54,7 +54,7 @@ class Tree(NamedTuple):
 
 
 def value_at(data: Any, path: Path) -> Any:
-    """What nested lists and mappings hold at a path."""
+    """The value of nested lists and mappings at a path."""
     return reduce(getitem, path, data)
 
 

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 
 use super::Rover;
-use crate::convert::numbers;
+use crate::convert::{Rows, refuse_shape};
 use crate::suspension::{RockerBogie, rocker_and_bogies};
 
 #[pymethods]
@@ -26,7 +26,11 @@ impl RockerBogie {
     ///     If an angle is not finite or a shape does not fit.
     #[pyo3(signature = (joints=None), text_signature = "($self, joints=(0.0, 0.0, 0.0))")]
     fn planar(&self, py: Python<'_>, joints: Option<&Bound<'_, PyAny>>) -> PyResult<Rover> {
-        let (rho, beta) = rocker_and_bogies(joints.map_or(Ok([0.0; 3]), |joints| numbers("joints", joints))?);
+        let joints = joints.map(|joints| Rows::read("joints", joints, 3)).transpose()?;
+        if let Some(rows) = joints.as_ref().filter(|rows| !rows.is_single()) {
+            return Err(refuse_shape("joints", "be one row of shape (3,)", &rows.shape()));
+        }
+        let (rho, beta) = rocker_and_bogies(joints.map_or([0.0; 3], |rows| rows.triples()[0]));
         Rover::named(py, self.0.planar(rho, beta))
     }
 }

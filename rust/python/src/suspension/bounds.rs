@@ -8,7 +8,7 @@ use six_wheel_numerics::error::{Error, bounded, not_negative};
 use six_wheel_terrain::bounds::{self as core, Belly, BoundsConstants, Ground, Knowledge, Margins, Within};
 
 use super::rocker_bogie::RockerBogie;
-use crate::convert::{OrRaise, Out, Rows, compute_rows, joined, memory, named, scalar_or_array, together};
+use crate::convert::{OrRaise, Out, Rows, compute_rows, joined, memory, named, refuse, scalar_or_array, together};
 use crate::terrain::Terrain;
 use crate::workers::any_workers;
 
@@ -51,11 +51,17 @@ getters! { PoseBounds, self, py:
     };
 }
 
+/// Fails unless a size is finite and not negative; the message has `NaN` as Rust writes it.
+fn check_size(argument: &'static str, size: f64) -> PyResult<()> {
+    let refused = |_| refuse(argument, "be finite and not negative", format!("{size:?}"));
+    not_negative(argument, size).map_err(refused)
+}
+
 /// Reads sizes, one or one per pose, default 0.
 fn sizes<'py>(py: Python<'py>, argument: &'static str, value: Option<&Bound<'py, PyAny>>) -> PyResult<Rows<'py>> {
     let none = PyFloat::new(py, 0.0);
     let sizes = Rows::read_numbers(argument, value.unwrap_or(none.as_any()))?;
-    sizes.flat().iter().try_for_each(|size| not_negative(argument, *size)).or_raise(&[])?;
+    sizes.flat().iter().try_for_each(|size| check_size(argument, *size))?;
     Ok(sizes)
 }
 
@@ -77,7 +83,8 @@ pub fn read_belly((rear, front, half_width, z): Plate) -> Result<Belly, Error> {
 
 /// Fails unless the error of a map is a size.
 pub fn check_map_error(map_error: f64) -> PyResult<()> {
-    not_negative("map_error", map_error).and_then(|()| bounded("map_error", &[map_error])).or_raise(&[])
+    check_size("map_error", map_error)?;
+    bounded("map_error", &[map_error]).or_raise(&[])
 }
 
 impl RockerBogie {
