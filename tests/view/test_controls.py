@@ -136,16 +136,30 @@ def drag(shown: Page, view: Any) -> None:
     """Take the rover by the arrow of its handle along x, seen from above, and pull."""
     shown.tick("Move it by hand")
     assert until(lambda: view._handle is not None and view._handle.visible)
-    key(shown, "3")
-    assert until(lambda: above(view))
-    shown.page.wait_for_timeout(1500)
     (client,) = view._server.get_clients().values()
-    before = view.pose
-    for _ in range(5):  # the picture may be older than the handle
+    start, size = view.pose[0], view._subject.size
+    for _ in range(20):  # a pull beside the arrow turns the camera; a slow browser sees parts
+        key(shown, "3")
+        assert until(lambda: above(view))
+        rest(shown, client.camera)
         handle = np.asarray(view._handle.position) + np.asarray(view._world.position)
-        pull(shown, client.camera, handle, view._subject.size)
-        if view.pose != before:
+        pull(shown, client.camera, handle, size)
+        if view.pose[0] > start + 0.15 * size:
             return
+
+
+def rest(shown: Page, camera: Any) -> None:
+    """Wait until the camera has come to rest, which takes long where software draws and has other work."""
+    seen = np.full(7, np.nan)
+
+    def rests() -> bool:
+        nonlocal seen
+        shown.page.evaluate(DRAWN)
+        shown.page.wait_for_timeout(500)
+        before, seen = seen, np.concatenate([camera.position, camera.wxyz])
+        return close(before, seen)
+
+    assert until(rests)
 
 
 def pull(shown: Page, camera: Any, handle: NDArray[np.float64], size: float) -> None:
