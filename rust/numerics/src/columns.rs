@@ -1,14 +1,14 @@
-//! Between rows, as the caller keeps them, and columns, as the kernels take them, one block at a time.
+//! Transposition between rows of the caller's arrays and the columns that the kernels take, one block at a time.
 
 use pulp::Simd;
 
 use crate::simd::lanes::Lanes;
 use crate::simd::vector::Vector;
 
-/// Rows of a block. Its columns stay in the first-level cache for any rover of a usual size.
+/// Rows of a block. Its columns fit into the first-level cache for rovers of up to about ten wheels.
 pub const BLOCK: usize = 64;
 
-/// Columns of the largest rover: steering and speeds of 64 wheels, and as many of three things beside.
+/// Columns of the largest rover: steering angles and speeds of 64 wheels, and three further numbers of each.
 const MAX_COLUMNS: usize = 5 * 64;
 
 /// Columns of a square of registers.
@@ -41,12 +41,12 @@ impl Column {
     }
 }
 
-/// Columns of a usual rover, steering and speeds; the same with as many that are read beside the twists.
+/// Columns of a rover of up to eight wheels: steering angles and speeds; the same with optional inputs.
 const FEW: usize = 16;
 const SOME: usize = 32;
 
-/// So many columns to work in, all zero. Most rovers need few, and zeroing those of the largest takes as long as
-/// some hundred rows.
+/// Calls `work` with `count` columns of zeros on the stack. Most rovers need few, and zeroing those of the largest
+/// takes as long as some hundred rows.
 pub fn with_columns<T>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T {
     if count == 0 {
         work(&mut [])
@@ -64,8 +64,7 @@ fn with_stack<T, const N: usize>(count: usize, work: impl FnOnce(&mut [Column]) 
     work(&mut [Column::ZERO; N][..count])
 }
 
-/// Registers of rows into one register per column, group by group. A macro, because a closure may be left
-/// to call.
+/// Registers of rows into one register per column, group by group. A macro, because a closure might not be inlined.
 macro_rules! to_columns_groups {
     ($S: ident, $rows: ident, $columns: ident, $width: literal, |$group: ident| $deinterleaved: expr) => {{
         let groups = $S::as_simd_f64s($rows).0.as_chunks::<$width>().0;
@@ -93,7 +92,7 @@ macro_rules! to_rows_groups {
     }};
 }
 
-/// Takes rows apart. Rows that are missing become zero.
+/// Splits rows into columns. Rows that are missing become zero.
 #[inline(always)]
 pub fn transpose_to_columns<S: Vector>(simd: S, rows: &[f64], columns: &mut [Column]) {
     let width = columns.len();
@@ -107,7 +106,7 @@ pub fn transpose_to_columns<S: Vector>(simd: S, rows: &[f64], columns: &mut [Col
     }
 }
 
-/// Puts rows together, as many as there is room for.
+/// Writes columns as rows, as many as `rows` holds.
 #[inline(always)]
 pub fn transpose_to_rows<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
     let width = columns.len();
@@ -120,7 +119,7 @@ pub fn transpose_to_rows<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64
     }
 }
 
-/// Puts rows of any width together, as many as there is room for, by squares of eight columns.
+/// [`transpose_to_rows`] for any width, by squares of eight columns.
 #[inline(always)]
 pub fn transpose_tiles_to_rows<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
     let (width, lanes) = (columns.len(), S::F64_LANES);

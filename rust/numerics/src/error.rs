@@ -1,4 +1,4 @@
-//! Errors about arguments, which name the argument, the rule and the value, so that the caller can mend it.
+//! Errors about arguments, which name the argument, the rule and the value.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -42,7 +42,7 @@ impl Error {
         Self { kind: ErrorKind::Value, argument: argument.into(), row: None, rule, value }
     }
 
-    /// The end of a call that its caller does not want to go on.
+    /// The failure of a call that its caller interrupted.
     pub fn interrupted() -> Self {
         Self::value("call", "not be interrupted", "an interruption").of_kind(ErrorKind::Interrupted)
     }

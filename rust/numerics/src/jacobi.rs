@@ -59,11 +59,12 @@ impl<const R: usize, const C: usize> Jacobi<R, C> {
         self.values.iter().filter(|value| **value > bound).count()
     }
 
-    /// Shortest least-squares solution, directions with a singular value up to a bound left at zero.
-    pub fn solve(&self, wanted: &SVector<f64, R>, bound: f64) -> SVector<f64, C> {
+    /// Shortest least-squares solution for a right-hand side, directions with a singular value up to a bound left at
+    /// zero.
+    pub fn solve(&self, right: &SVector<f64, R>, bound: f64) -> SVector<f64, C> {
         let mut found = SVector::zeros();
         for k in 0..self.rank(bound) {
-            let share = self.columns.column(k).dot(wanted) / (self.values[k] * self.values[k]);
+            let share = self.columns.column(k).dot(right) / (self.values[k] * self.values[k]);
             found += self.turn.column(k) * share;
         }
         found
@@ -80,7 +81,7 @@ impl<const R: usize, const C: usize> Jacobi<R, C> {
     }
 }
 
-/// Turns two columns until they are orthogonal; whether they had not been.
+/// Rotates two columns so that they are orthogonal. Returns true if they were not.
 fn orthogonalise<const R: usize, const C: usize>(
     columns: &mut SMatrix<f64, R, C>,
     turn: &mut SMatrix<f64, C, C>,

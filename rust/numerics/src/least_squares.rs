@@ -4,11 +4,11 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::jacobi::Jacobi;
 
-/// Columns that turn out shorter than this, beside the longest one, depend on the others.
+/// A column depends on the others if its pivot is at most this share of the largest pivot.
 pub const DEPENDENT: f64 = 1e-10;
 
-/// Rotates rows so that the first `C` of their columns become upper triangular, by Householder reflections; the
-/// columns after them go along. The first `count` rows are filled, and at least `used` of them.
+/// Makes the first `used` columns of the first `count` rows upper triangular, by Householder reflections, which are
+/// applied to the columns after them too: the triangle is `Qᵀ A`, and the later columns become `Qᵀ b`. `count >= used`.
 pub fn triangular<const R: usize, const W: usize>(rows: &mut [[f64; W]; R], count: usize, used: usize) {
     for j in 0..used {
         let mut square = 0.0;
@@ -42,8 +42,8 @@ pub fn triangular<const R: usize, const W: usize>(rows: &mut [[f64; W]; R], coun
     }
 }
 
-/// Solves what [`triangular`] has made, for the `K` columns after the first `used`. NaN where the columns depend on
-/// each other.
+/// Back substitution in the triangle of [`triangular`], for the `K` right-hand sides after its first `used` columns.
+/// NaN where the columns depend on each other.
 pub fn back<const R: usize, const W: usize, const C: usize, const K: usize>(
     rows: &[[f64; W]; R],
     used: usize,
@@ -65,12 +65,12 @@ pub fn back<const R: usize, const W: usize, const C: usize, const K: usize>(
 }
 
 /// The shortest least-squares solution of three unknowns, from the triangle of their columns and the right-hand
-/// side: directions that the rows say nothing of stay 0.
+/// side: directions that the rows do not determine are 0.
 #[inline]
 pub fn shortest(triangle: [[f64; 4]; 3]) -> [f64; 3] {
     let matrix = SMatrix::<f64, 3, 3>::from_fn(|i, j| triangle[i][j]);
-    let wanted = SVector::<f64, 3>::from_fn(|i, _| triangle[i][3]);
+    let right = SVector::<f64, 3>::from_fn(|i, _| triangle[i][3]);
     let values = Jacobi::new(&matrix);
     let bound = DEPENDENT * values.values[0];
-    values.solve(&wanted, bound).into()
+    values.solve(&right, bound).into()
 }

@@ -1,7 +1,8 @@
-//! Numbers in registers, small matrices, threads and errors: what every formula of six_wheel is made of.
+//! Numbers in registers, small matrices, threads and errors, on which every formula of six_wheel is built. Nothing here
+//! depends on a rover.
 //!
-//! It knows no rover. [`simd`] holds registers of every instruction set and their functions, [`columns`] and [`stream`] the
-//! way between rows in memory and columns of registers, [`threads`] the share of work of every thread.
+//! [`simd`] holds registers of every instruction set and their functions, [`columns`] and [`stream`] the transfer
+//! between rows in memory and columns of registers, [`threads`] the division of a batch between threads.
 
 #[macro_use]
 extern crate six_wheel_inlining;

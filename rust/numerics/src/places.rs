@@ -1,6 +1,7 @@
 //! Addresses of the elements of an array, and the test if two arrays have one in common.
 
-/// Steps of the search for a byte that two arrays share. Views of one table take a few; what takes more counts as shared.
+/// Steps of the search for a byte that two arrays share. Views of one table take a few; arrays whose search takes more
+/// count as overlapping.
 const STEPS: usize = 10_000;
 
 /// Steps of a number of bytes each, and their largest number.
@@ -58,9 +59,9 @@ impl Places {
         if self.is_empty || other.is_empty {
             return false;
         }
-        // A step of the other one is a step back from its highest byte: this one goes up as far as that.
+        // A byte in both: lowest + sum of steps of this array = highest of the other one - sum of steps of that.
         let highest = other.lowest.saturating_add(other.reach());
-        let Some(way) = highest.checked_sub(self.lowest) else {
+        let Some(distance) = highest.checked_sub(self.lowest) else {
             return false;
         };
         let mut terms: Vec<Term> = self.terms.iter().chain(&other.terms).copied().collect();
@@ -72,10 +73,10 @@ impl Places {
             }
             alike
         });
-        can_go(way, &terms, &mut 0)
+        is_sum_of_steps(distance, &terms, &mut 0)
     }
 
-    /// True if every item surely has a place of its own.
+    /// True if no two items overlap; false also where that takes more than a comparison of strides to find out.
     pub fn are_apart(&self) -> bool {
         let mut taken = 1_usize;
         let mut terms: Vec<&Term> = self.terms.iter().collect();
@@ -89,20 +90,21 @@ impl Places {
     }
 }
 
-/// True if steps of these terms, the longest first, lead just so far. True also if that takes too long to find out.
-fn can_go(way: usize, terms: &[Term], steps: &mut usize) -> bool {
+/// True if `distance` [bytes] is a sum of steps of these terms, the longest first. True also if the search takes more
+/// than [`STEPS`].
+fn is_sum_of_steps(distance: usize, terms: &[Term], steps: &mut usize) -> bool {
     *steps += 1;
     let Some((longest, rest)) = terms.split_first() else {
-        return way == 0;
+        return distance == 0;
     };
     if *steps > STEPS {
         return true;
     }
     let reach = |term: &Term| term.bytes.saturating_mul(term.most);
     let rest_at_most = rest.iter().map(reach).fold(0, usize::saturating_add);
-    let most = longest.most.min(way / longest.bytes);
-    let least = way.saturating_sub(rest_at_most).div_ceil(longest.bytes);
-    (least..=most).any(|count| *steps > STEPS || can_go(way - count * longest.bytes, rest, steps))
+    let most = longest.most.min(distance / longest.bytes);
+    let least = distance.saturating_sub(rest_at_most).div_ceil(longest.bytes);
+    (least..=most).any(|count| *steps > STEPS || is_sum_of_steps(distance - count * longest.bytes, rest, steps))
 }
 
 #[cfg(test)]

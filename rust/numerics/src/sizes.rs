@@ -1,4 +1,4 @@
-//! Sizes of all numbers of a batch, which are checked before anything else.
+//! Magnitudes of all numbers of a batch, which are checked before anything is computed.
 
 use crate::error::SHORTEST;
 use crate::simd::lanes::Lanes;
@@ -8,7 +8,7 @@ use crate::simd::vector::Vector;
 /// Lanes of the widest register.
 const LANES: usize = 8;
 
-/// Registers in turn: their sums and answers do not wait for each other.
+/// Registers in lockstep, so that their sums and comparisons are independent of each other.
 const ABREAST: usize = 4;
 
 /// Sum of the absolute values. NaN if one is NaN.
@@ -53,7 +53,7 @@ pub fn longest(dts: &[f64]) -> Option<f64> {
     (least >= SHORTEST).then_some(most)
 }
 
-/// The least and the largest of some numbers, infinite and 0 of none; nothing unless all are finite.
+/// The least and the largest of some numbers, infinity and 0 of an empty slice; None unless all are finite.
 struct Extremes<'a>(&'a [f64]);
 
 impl Kernel for Extremes<'_> {

@@ -1,16 +1,16 @@
-//! Writing past the caches: a batch larger than they are would fetch every line of its output only to overwrite
-//! it, and push out what it is about to read.
+//! Writing past the caches: a batch larger than they are would fetch every line of its output before overwriting it,
+//! and evict the input that it reads next.
 
 use super::columns::BLOCK;
 use crate::simd::vector::Vector;
 
-/// Numbers of a line of the caches.
+/// Doubles in a cache line.
 pub const LINE: usize = 8;
 
-/// Outputs of more numbers than this do not stay in the caches anyway: 32 MB.
+/// Outputs of more doubles than this are larger than the caches: 32 MB.
 const LARGE: usize = (32 << 20) / size_of::<f64>();
 
-/// Blocks from the one that is worked on to the one that is fetched.
+/// Blocks from the one that is computed to the one that is prefetched.
 const AHEAD: usize = 4;
 
 /// True if an output of this number of doubles is written past the caches.
@@ -19,8 +19,8 @@ pub fn is_large(numbers: usize) -> bool {
     numbers > LARGE
 }
 
-/// Asks for the rows a few blocks after these, part `k` of them: left to itself, the processor starts anew at every
-/// page, and it can wait for some lines only at a time.
+/// Prefetches part `k` of `parts` of the rows [`AHEAD`] blocks after these: the processor's own prefetching starts anew
+/// at every page, and it can wait for a few lines only at a time.
 #[inline(always)]
 pub fn prefetch_ahead<S: Vector>(simd: S, rows: &[f64], k: usize, parts: usize) {
     let part = rows.len() / parts;
@@ -30,10 +30,10 @@ pub fn prefetch_ahead<S: Vector>(simd: S, rows: &[f64], k: usize, parts: usize) 
     }
 }
 
-/// Numbers that wait at most: a block of rows of up to eight, and what is left of a line.
+/// Doubles in the buffer: a block of rows of up to eight, and the rest of a line.
 const CAPACITY: usize = 8 * BLOCK + LINE;
 
-/// Target of the rows that a kernel writes, one piece after the other, of at most `ROOM - LINE` numbers.
+/// Target of the rows that a kernel writes, one piece after the other, of at most `CAPACITY - LINE` doubles.
 #[allow(clippy::large_enum_variant)] // on the stack of the kernel, one per array; a box would be an allocation
 pub enum Output<'a, S: Vector> {
     /// Straight into the array.
@@ -53,8 +53,8 @@ impl<'a, S: Vector> Output<'a, S> {
         }
     }
 
-    /// Room for the next numbers. They are written when there is no more to do to them: at the next call, or
-    /// at the end.
+    /// Memory for the next `count` numbers. They are written to the array at the next call, or when this value is
+    /// dropped.
     pub fn next(&mut self, count: usize) -> &mut [f64] {
         match self {
             Self::Direct(target) => {
@@ -70,12 +70,13 @@ impl<'a, S: Vector> Output<'a, S> {
 #[repr(align(64))]
 struct Buffer([f64; CAPACITY]);
 
-/// Numbers on their way, in whole lines: a line written in two pieces costs more than it saves.
+/// A buffer from which whole cache lines are written past the caches: a line in two pieces takes longer than one
+/// through the caches.
 pub struct NonTemporalStore<'a, S: Vector> {
     simd: S,
     /// Part of the array that is not written yet.
     target: &'a mut [f64],
-    /// Numbers that wait to be written, at the same places of the lines as in the target.
+    /// Numbers to be written, those from `first` to `end`, at the same offset in a line as in the target.
     buffer: Buffer,
     first: usize,
     end: usize,
@@ -95,7 +96,7 @@ impl<'a, S: Vector> NonTemporalStore<'a, S> {
         &mut self.buffer.0[first..self.end]
     }
 
-    /// The next numbers that wait, and where they go.
+    /// The next `count` numbers of the buffer, and their place in the target.
     fn take(&mut self, count: usize) -> (&[f64], &mut [f64]) {
         let (target, rest) = std::mem::take(&mut self.target).split_at_mut(count);
         self.target = rest;
@@ -104,11 +105,11 @@ impl<'a, S: Vector> NonTemporalStore<'a, S> {
         (&self.buffer.0[first..self.first], target)
     }
 
-    /// Writes all that waits, but for the beginning of a line.
+    /// Writes the buffer but for the beginning of its last line.
     fn send(&mut self) {
         let simd = self.simd;
         let waiting = self.first..self.end;
-        // Only the target's first line begins before it.
+        // Numbers before the first whole line of the target.
         let head = waiting.start.next_multiple_of(LINE).min(waiting.end) - waiting.start;
         let (numbers, target) = self.take(head);
         target.copy_from_slice(numbers);
@@ -117,8 +118,8 @@ impl<'a, S: Vector> NonTemporalStore<'a, S> {
         let registers = S::as_simd_f64s(numbers).0;
         let targets = S::as_mut_simd_f64s(target).0;
         for (target, register) in targets.iter_mut().zip(registers) {
-            // SAFETY: after the head lines begin. Nobody looks at the target before this value is dropped,
-            // which ends with the fence.
+            // SAFETY: after the head every register begins at a multiple of its size. The target is borrowed until this
+            // value is dropped, which ends with the fence.
             unsafe { simd.stream(target, *register) };
         }
         let first = self.first % LINE;

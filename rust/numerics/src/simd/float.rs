@@ -8,7 +8,7 @@ use super::vector::Vector;
 /// single precision; the first two lists are the numbers and functions that differ in more than that.
 macro_rules! float {
     ($($(#[$doc:meta])* $name:ident($($in:ident: $kind:ident),*) -> $out:ident = $double:ident, $single:ident;)*) => {
-        /// A precision: `f64` or `f32`. No operation depends on the level, but by the number of lanes.
+        /// A precision: `f64` or `f32`. Operations differ between levels in the number of lanes alone.
         pub trait Float: Copy + Default + PartialOrd + From<f32> + Into<f64> + Send + Sync + 'static {
             /// As many of them as a level computes with at once.
             type Register<S: Simd>: Copy;
@@ -35,7 +35,7 @@ macro_rules! float {
             fn to_f64(self) -> f64 {
                 self.into()
             }
-            /// The whole number below 2^23 in the lowest bits of `INTEGERS` and it.
+            /// The whole number n below 2^23 of the sum `INTEGERS + n`, from its lowest bits.
             fn to_index(self) -> usize;
             /// Lanes of a register.
             fn lanes<S: Simd>() -> usize;
@@ -146,7 +146,7 @@ macro_rules! precision {
         }
         #[inline(always)]
         fn select<S: Simd>(simd: S, mask: S::$mask, yes: S::$register, no: S::$register) -> S::$register {
-            // pulp's own of this type may be left to call.
+            // pulp's selection of this type might not be inlined.
             simd.$from_bits(simd.$select(mask, simd.$bits(yes), simd.$bits(no)))
         }
         #[inline(always)]

@@ -1,8 +1,8 @@
 //! The number type of every formula: registers of one level and precision, with the operators of a number.
 //!
-//! Everything is `#[inline(always)]`: the instructions of a level are only available inside the function
-//! that [`super::level::Level::run_any`] has compiled for it, so nothing may be left to call. Loops instead of `map` for
-//! the same reason: a closure may be left to call.
+//! Everything is `#[inline(always)]`: the instructions of a level are only available inside the function that
+//! [`super::level::Level::run_any`] has compiled for it, so every function has to be inlined there. Loops instead of
+//! `map` for the same reason: a closure might not be inlined.
 
 mod rows;
 #[cfg(test)]
@@ -15,8 +15,8 @@ use pulp::Simd;
 use super::float::Float;
 use super::vector::Vector;
 
-/// `N` registers of numbers of precision `T`, in lockstep: while one result is on its way, the processor works on the
-/// others.
+/// `N` registers of numbers of precision `T`, in lockstep: the latency of an operation on one of them is hidden by
+/// those on the others.
 #[derive(Clone, Copy)]
 pub struct Lanes<S: Simd, T: Float = f64, const N: usize = 1> {
     simd: S,
@@ -30,7 +30,7 @@ pub struct Mask<S: Simd, T: Float = f64, const N: usize = 1> {
     values: [T::Mask<S>; N],
 }
 
-/// Does the same for every register. One is the usual number of them, for which a loop makes kernels slow to compile.
+/// Does the same for every register. Most kernels have one, for which a loop makes them slow to compile.
 macro_rules! for_each {
     ($k:ident: $body:block) => {
         if N == 1 {
@@ -148,13 +148,13 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
 
     /// Absolute value.
     pub fn abs(mut self) -> Self {
-        // Every bit but the sign. pulp's own may be left to call.
+        // Every bit but the sign. pulp's `abs` might not be inlined.
         let bits = T::splat(self.simd, T::ABS);
         for_each!(k: { self.values[k] = T::and(self.simd, self.values[k], bits); });
         self
     }
 
-    /// The sign bit, on a zero.
+    /// A zero with the sign of the number.
     pub fn sign_bit(mut self) -> Self {
         let bit = T::splat(self.simd, T::from_f64(-0.0));
         for_each!(k: { self.values[k] = T::and(self.simd, self.values[k], bit); });
@@ -180,14 +180,15 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
         self.lt(near).select(near - one, near)
     }
 
-    /// A whole number as [`Float::to_index`] takes it.
+    /// A whole number plus [`Float::INTEGERS`], as [`Float::to_index`] takes it.
     pub fn as_index(self) -> Self {
         self + Self::constant(self.simd, T::INTEGERS)
     }
 }
 
 impl<S: Vector, T: Float, const N: usize> Lanes<S, T, N> {
-    /// One over the square root of a number that is not negative, and the root, each to two last places.
+    /// One over the square root of a number that is not negative, and the root, each with an error of up to two units
+    /// in the last place.
     #[inline(always)]
     pub fn roots(self) -> [Self; 2] {
         let number = |value: f64| Self::constant(self.simd, value);

@@ -30,7 +30,7 @@ pub enum Level {
 const LEVELS: [Level; 4] = [Level::Scalar, Level::Neon, Level::Avx2, Level::Avx512];
 
 impl Level {
-    /// The name Python knows it by.
+    /// Its name in Python.
     pub fn name(self) -> &'static str {
         match self {
             Self::Scalar => "scalar",
@@ -108,8 +108,8 @@ impl Level {
     }
 }
 
-/// Runs a kernel at the level that its caller already runs at, in a function of its own: a rare case takes no registers from
-/// the other one.
+/// Runs a kernel at the level of its caller, in a function of its own, so that a rare case takes no registers from the
+/// frequent one.
 #[cold]
 #[inline(never)]
 pub fn run_rarely<S: Vector, K: LevelKernel<S>>(simd: S, kernel: K) -> K::Output {
@@ -128,7 +128,7 @@ pub trait Kernel {
     /// Result of the kernel.
     type Output;
 
-    /// Has to be `#[inline(always)]`, with everything it calls that works on registers.
+    /// Has to be `#[inline(always)]`, with every function of registers that it calls.
     fn run<S: Vector>(self, simd: S) -> Self::Output;
 }
 
@@ -150,7 +150,7 @@ impl<S: Vector, K: Kernel> LevelKernel<S> for K {
     }
 }
 
-/// A kernel on its way into the function that has the instructions of its level.
+/// A kernel and the token of its level, to be called inside the function that is compiled with its instructions.
 struct Run<K, S> {
     kernel: K,
     simd: S,

@@ -1,7 +1,7 @@
 //! Arc tangent, sine and cosine of whole registers, as polynomials of known error.
 //!
-//! The coefficients interpolate at Chebyshev nodes, computed with 50 digits. What the errors add up to is
-//! measured in the tests below, against the functions of the standard library.
+//! The coefficients interpolate at Chebyshev nodes, computed with 50 digits. The tests below measure the errors against
+//! the functions of the standard library.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4};
 
@@ -113,7 +113,7 @@ fn polynomial<S: Simd, T: Float, const N: usize, const K: usize>(
 pub fn angle<S: Simd, T: Float, const N: usize>(simd: S, x: Lanes<S, T, N>, y: Lanes<S, T, N>) -> Lanes<S, T, N> {
     let number = |value: f64| Lanes::constant(simd, value);
     let (large, small) = (x.max(y), x.min(y));
-    // Counted from 0, an eighth or a quarter turn, whichever is nearest: one division for all three.
+    // The angle is counted from 0, an eighth or a quarter turn, the nearest of them: one division for all three.
     let eighth = (large * number(TAN_EIGHTH)).lt(small);
     let over = eighth.select(small - large, small);
     let under = eighth.select(small + large, large);
@@ -142,8 +142,8 @@ pub fn sin_cos<S: Simd, T: Float, const N: usize>(simd: S, angle: Lanes<S, T, N>
     in_quarter(simd, shifted, sin, cos)
 }
 
-/// Sine and cosine of angles up to a hundred turns, absolutely as exact as [`sin_cos`], but not in the last
-/// digits of a sine near zero: what a direction needs.
+/// Sine and cosine of angles up to a hundred turns, for directions: their absolute errors are those of [`sin_cos`], but
+/// not the relative error of a sine near zero.
 #[inline(always)]
 pub fn direction<S: Simd, T: Float, const N: usize>(
     simd: S,
@@ -177,7 +177,7 @@ fn in_quarter<S: Simd, T: Float, const N: usize>(
     (odd.select(cos, sin).xor_sign(sign), odd.select(sin, cos).xor_sign(sign).xor_sign(crossed))
 }
 
-/// Cosine of an angle up to pi/4, given its square: what `1 - z / 2` rounds away is added back.
+/// Cosine of an angle up to pi/4, given its square z: the rounding error of `1 - z / 2` is added back.
 #[inline(always)]
 fn cos_of_rest<S: Simd, T: Float, const N: usize>(simd: S, z: Lanes<S, T, N>) -> Lanes<S, T, N> {
     let (one, half) = (Lanes::constant(simd, 1.0), Lanes::constant(simd, 0.5) * z);

@@ -68,7 +68,7 @@ pub fn inner_product(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// `a × b` in the plane, upwards.
+/// The z component of `a × b` for vectors in the plane.
 #[inline(always)]
 pub fn cross2<T: Copy + Mul<Output = T> + Sub<Output = T>>(a: [T; 2], b: [T; 2]) -> T {
     a[0] * b[1] - a[1] * b[0]

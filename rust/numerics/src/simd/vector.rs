@@ -1,7 +1,7 @@
 //! The shuffles that turn rows into registers and back, for every level.
 //!
-//! They name their instructions, through the safe wrappers of the level's token. Written as loops or lane
-//! by lane, the compiler turned them into gathers and scatters at three times the cost.
+//! They name their instructions, through the safe wrappers of the level's token. Loops and operations lane by lane were
+//! compiled to gathers and scatters, which took three times as long.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -46,14 +46,14 @@ pub trait Vector: Simd {
     ///
     /// # Safety
     ///
-    /// `target` begins where a register may be stored whole, at a multiple of its size, and nobody looks at it
-    /// before this thread has called [`Self::store_fence`].
+    /// `target` begins at a multiple of the size of a register, and nothing reads it before this thread has called
+    /// [`Self::store_fence`].
     #[inline(always)]
     unsafe fn stream(self, target: &mut Self::f64s, register: Self::f64s) {
         *target = register;
     }
 
-    /// Waits until what [`Self::stream`] wrote is there for all to see.
+    /// Waits until the writes of [`Self::stream`] are visible to every thread.
     #[inline(always)]
     fn store_fence(self) {}
 
@@ -73,7 +73,8 @@ pub trait Vector: Simd {
         ]
     }
 
-    /// One over the square root of positive numbers that are neither tiny nor huge, to some last places.
+    /// One over the square root of positive numbers that are neither tiny nor huge, with an error of some units in the
+    /// last place.
     #[inline(always)]
     fn inverse_root(self, numbers: Self::f64s) -> Self::f64s {
         self.div_f64s(self.splat_f64s(1.0), self.sqrt_f64s(numbers))
@@ -90,8 +91,9 @@ pub trait Vector: Simd {
         Self::as_simd_f64s(&roots).0[0]
     }
 
-    /// One over the square root of numbers from 1e-30 to 1e36, and the root, to two last places: the same bits at every
-    /// level, and a third of the time of a root and a division of registers of eight.
+    /// One over the square root of numbers from 1e-30 to 1e36, and the root, with an error of up to two units in the
+    /// last place: the same bits at every level, and a third of the time of a root and a division of registers of
+    /// eight.
     #[inline(always)]
     fn steady_roots(self, numbers: Self::f64s) -> [Self::f64s; 2] {
         let guess = self.single_inverse_root(numbers);
@@ -110,33 +112,33 @@ pub trait Vector: Simd {
         [self.div_f32s(self.splat_f32s(1.0), root), root]
     }
 
-    /// Pairs of singles of a table, each as it is in the bits of its lane. Places are counted from `2^52`, with whose
-    /// bits they are as they are.
+    /// Pairs of single-precision numbers of a table, each pair in the 64 bits of one lane. The index `i` of a pair is
+    /// given as `2^52 + i`, whose lowest bits are those of `i`.
     ///
     /// # Safety
     ///
-    /// The table has all the places.
+    /// Every index is inside the table.
     unsafe fn pairs(self, table: &[[f32; 2]], places: Self::f64s) -> Self::f64s;
 
-    /// Of positive numbers above 1e-300 the largest whole power of two that they reach, as its exponent.
+    /// `floor(log2 a)` of numbers above 1e-300.
     fn exponent(self, register: Self::f64s) -> Self::f64s;
 
-    /// Of two pairs in every lane the lesser first numbers and the lesser second ones, none of them NaN.
+    /// Pairs of the lesser first numbers and the lesser second numbers of two pairs in every lane, none of them NaN.
     fn least_pairs(self, a: Self::f64s, b: Self::f64s) -> Self::f64s;
 
     /// The first numbers of the pairs and the second ones.
     fn deinterleave2(self, pairs: Self::f64s) -> [Self::f64s; 2];
 
-    /// Asks for the line of an address, which need not be one.
+    /// Prefetches the cache line of an address, which need not be mapped.
     #[inline(always)]
     fn prefetch(self, _: *const f64) {}
 
-    /// Values of a grid, row after row, at whole places `[x, y]` that are in it with their neighbours: of each place
-    /// and the next one in its row, and the two above.
+    /// Values of a grid, row after row, at nodes with the whole coordinates `[x, y]` and their neighbours: `(x, y), (x
+    /// + 1, y)` and `(x, y + 1), (x + 1, y + 1)`.
     ///
     /// # Safety
     ///
-    /// They are in the grid, which has less than 2^31 values.
+    /// All four are in the grid, which has less than 2^31 values.
     #[inline(always)]
     unsafe fn corners(self, values: &[f32], columns: usize, place: [Self::f64s; 2]) -> [[Self::f64s; 2]; 2] {
         let mut places = [[0.0; 8]; 2];
@@ -184,7 +186,7 @@ fn around(values: &[f32], columns: usize, x: usize, y: usize) -> [f32; 4] {
     [low[0], low[1], high[0], high[1]]
 }
 
-/// A pair in the bits of a lane.
+/// A pair of single-precision numbers as the bits of a double.
 #[inline(always)]
 fn pair([first, second]: [f32; 2]) -> f64 {
     f64::from_bits(u64::from(first.to_bits()) | u64::from(second.to_bits()) << 32)
@@ -210,7 +212,7 @@ fn exponent_of(number: f64) -> f64 {
     (number.to_bits() >> 52) as f64 - 1023.0
 }
 
-/// Whole numbers below 2^52 added to this are in its last bits.
+/// The sum of this and a whole number below 2^52 has that number in its lowest bits.
 pub const ZEROTH: f64 = 4_503_599_627_370_496.0; // 2^52
 
 #[inline(always)]

@@ -1,8 +1,9 @@
-//! Threads that stay: they wait, parked, for the next batch, since starting one takes as long as some thousand rows.
+//! A pool of threads that stay parked between batches, since starting one takes as long as some thousand rows.
 //!
-//! There is one pool in a process, as large as the most helpers any call asked for, and no larger than the machine. It works
-//! for one caller at a time; a call that comes meanwhile does its work alone. A fork leaves threads behind: the child finds
-//! a pool of another process, and makes its own without looking at what that one holds.
+//! There is one pool in a process, with as many threads as the largest request so far, and at most one per core beside
+//! the caller. It works for one caller at a time; a call that comes meanwhile does its work in the thread of its
+//! caller. A fork does not copy threads: the child finds the pool of another process, and makes its own without reading
+//! the other one's state.
 //!
 //! Not rayon: a scope waits for helpers that have not begun, which on a machine with other work is milliseconds for a batch
 //! of a fifth of one, and it allocates at every call.
@@ -17,22 +18,22 @@ use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Time for which a thread looks for more work before it parks: a batch is checked and then solved, and waking up in
-/// between takes longer than this.
+/// Time for which a thread spins for another task before it parks: a batch is checked and then solved, and waking up
+/// between the two takes longer than this.
 const PATIENCE: Duration = Duration::from_micros(30);
 
-/// Work of all threads at once, each until there is nothing left to do.
+/// The function that every thread calls once for a batch; it returns when no work is left.
 type Task = &'static (dyn Fn() + Sync);
 
-/// The task, and the threads at it.
+/// The task, and the threads that run it.
 #[derive(Default)]
 struct State {
-    /// True while it works for a caller.
+    /// True while the pool works for a caller.
     busy: bool,
     task: Option<Task>,
-    /// Threads that may still begin.
+    /// Threads that may still begin the task.
     places: usize,
-    /// Threads at work.
+    /// Threads that run the task.
     running: usize,
     /// Threads of the pool, and those of them that are parked.
     threads: usize,
@@ -44,14 +45,15 @@ struct State {
 struct ThreadPool {
     process: u32,
     state: Mutex<State>,
-    /// Tasks so far, for threads that look without the lock.
+    /// Tasks so far, read by spinning threads without the lock.
     tasks: AtomicUsize,
     begun: Condvar,
     /// A thread has started, or the last one has finished its task.
     changed: Condvar,
 }
 
-/// Helpers beyond the machine's cores do nothing sooner, and as they stay, their stacks would keep what memory there is.
+/// Largest number of threads of the pool: with more than one per core nothing is done sooner, and their stacks stay
+/// allocated.
 fn most_threads() -> usize {
     static MOST: OnceLock<usize> = OnceLock::new();
     *MOST.get_or_init(|| thread::available_parallelism().map_or(1, |cores| cores.get() - 1))
@@ -63,7 +65,7 @@ impl ThreadPool {
         static POOL: AtomicPtr<ThreadPool> = AtomicPtr::new(ptr::null_mut());
         let process = process::id();
         let found = POOL.load(Ordering::Acquire);
-        // SAFETY: what is stored there came from a box that is never freed.
+        // SAFETY: the pointer that is stored there came from a box that is never freed.
         if let Some(pool) = unsafe { found.as_ref() }
             && pool.process == process
         {
@@ -87,7 +89,7 @@ impl ThreadPool {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The life of a thread.
+    /// The loop of a thread of the pool: runs tasks, spins for [`PATIENCE`], parks.
     fn serve(&self) {
         let mut state = self.lock();
         state.threads += 1;
@@ -123,10 +125,10 @@ impl ThreadPool {
         }
     }
 
-    /// Starts threads until there are `count`, or no more can start. Each has arrived on return, and has taken all the
-    /// memory it ever will.
-    fn grow<'a>(&'static self, mut state: MutexGuard<'a, State>, wanted: usize) -> MutexGuard<'a, State> {
-        while state.threads < wanted {
+    /// Starts threads until there are `count`, or no more can start. On return each of them runs [`Self::serve`] and
+    /// allocates nothing from then on.
+    fn grow<'a>(&'static self, mut state: MutexGuard<'a, State>, count: usize) -> MutexGuard<'a, State> {
+        while state.threads < count {
             let before = state.threads;
             drop(state);
             let started = thread::Builder::new().name("six_wheel".to_owned()).spawn(|| self.serve());
@@ -146,8 +148,9 @@ fn wait<'a, T>(signal: &Condvar, guard: MutexGuard<'a, T>) -> MutexGuard<'a, T> 
     signal.wait(guard).unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Does a task here and, at the same time, in so many other threads at most; all are done with it on return. A task ends
-/// when there is nothing left to do, so it does not matter how many join in, or when.
+/// Runs a task in this thread and in up to `helpers` others at the same time; all have returned from it on return. A
+/// task returns when no work is left, so the result does not depend on the number of threads that run it, or when they
+/// begin.
 pub(crate) fn run(helpers: usize, task: &(dyn Fn() + Sync)) {
     let helpers = helpers.min(most_threads());
     if helpers == 0 {
@@ -161,7 +164,7 @@ pub(crate) fn run(helpers: usize, task: &(dyn Fn() + Sync)) {
     }
     state.busy = true;
     state = pool.grow(state, helpers);
-    // SAFETY: the task is taken back below, on every way out of here, and no thread is at it any more by then.
+    // SAFETY: the task is removed below before every return, after the last thread has returned from it.
     state.task = Some(unsafe { std::mem::transmute::<&(dyn Fn() + Sync), Task>(task) });
     state.places = helpers;
     pool.tasks.fetch_add(1, Ordering::Relaxed);

@@ -9,25 +9,25 @@ use crate::columns::BLOCK;
 use crate::error::Error;
 use crate::simd::level::Level;
 
-/// Rows under which no thread waits for another: waking one takes as long as some hundred to some thousand rows.
+/// Rows below which a batch stays in one thread: waking another takes as long as some hundred to some thousand rows.
 const WORTH_A_THREAD: usize = 20_000;
 
-/// Shares of a batch for every thread: who comes late, or is held up, takes fewer of them.
+/// Shares of a batch per thread: a thread that begins late or is held up takes fewer of them.
 const SHARES: usize = 4;
 
-/// Rows of a share at least, so that taking it costs nothing beside them.
+/// Rows of a share at least, so that taking it from the queue takes no time beside computing them.
 const LEAST: usize = 2048;
 
-/// Rows of a share at most, so that an interruption is seen in time.
+/// Rows of a share at most, so that an interruption is noticed in time.
 const MOST: usize = 16_384;
 
-/// Rows of a log, or steps, between two questions whether to go on: some ten milliseconds at the most.
+/// Rows of a log, or steps, between two calls of [`IsInterrupted`]: some ten milliseconds at the most.
 pub const BETWEEN_CHECKS: usize = 512;
 
-/// Asked by the thread of the caller between parts of a long call: true ends the call with [`Error::interrupted`].
+/// Called by the thread of the caller between parts of a long call: true ends the call with [`Error::interrupted`].
 pub type IsInterrupted = fn() -> bool;
 
-/// Of calls that nobody interrupts.
+/// [`IsInterrupted`] of calls that cannot be interrupted.
 pub fn never() -> bool {
     false
 }
@@ -40,10 +40,10 @@ pub struct Workers {
     pub level: Level,
     /// Largest number of threads.
     pub threads: usize,
-    /// True if a failure may leave the outputs half written, since nobody sees them then. Every row is
-    /// otherwise checked before the first is written.
+    /// True if the outputs are allocated by the call, so that a failure may leave them half written. Otherwise every
+    /// row is checked before the first is written.
     pub fresh: bool,
-    /// Asked between shares.
+    /// Called between shares.
     pub is_interrupted: IsInterrupted,
 }
 
@@ -51,7 +51,7 @@ impl Workers {
     /// One thread, row by row.
     pub const PLAIN: Self = Self { level: Level::Scalar, threads: 1, fresh: false, is_interrupted: never };
 
-    /// The same without instructions that the machine does not have.
+    /// The same at the scalar level if the machine does not have the instructions of this one.
     #[inline]
     pub fn here(self) -> Self {
         if self.level.is_here() {
@@ -82,8 +82,8 @@ impl Workers {
         share.max(LEAST.div_ceil(count.max(1))).next_multiple_of(8)
     }
 
-    /// Computes every one of `count` rows: of an output of width `w` row `k` gets the `w` elements from `k w` on to
-    /// write to. Fails with the first row that does.
+    /// Computes `count` rows: `row` gets the index `k`, and of every output of width `w` the `w` elements from `k w`
+    /// on. Fails with the error of the first row that fails.
     pub fn rows<T: Send, const N: usize>(
         self,
         count: usize,
@@ -110,7 +110,7 @@ impl Workers {
         })
     }
 
-    /// Does every job with as many threads as there are to be.
+    /// Does every job, with up to `threads` threads.
     pub fn for_each<J: Send>(
         self,
         jobs: impl Iterator<Item = J> + Send,
@@ -121,12 +121,12 @@ impl Workers {
     }
 }
 
-/// Threads of one batch beside the calling one, at most: more than any machine makes use of for these kernels, and few
-/// enough that their stacks do not matter.
+/// Threads of one batch beside the calling one, at most: more than speed up these kernels on any machine, and few
+/// enough that their stacks need little memory.
 const MOST_HELPERS: usize = 63;
 
-/// Does every job by so many threads at most, this one among them: jobs are handed out one by one to whoever is
-/// there. The failure of the first job that fails, or the interruption.
+/// Does every job by up to `threads` threads, this one among them; each takes the next job of the queue when it has
+/// done its last one. Returns the failure of the first job that fails, or the interruption.
 fn share_jobs<J: Send>(
     threads: usize,
     jobs: impl Iterator<Item = J> + Send,

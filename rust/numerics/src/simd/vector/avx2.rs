@@ -137,7 +137,7 @@ impl Vector for V3 {
         let near = simd._mm256_min_pd(low, cast(self.splat_f64x4(last as f64)));
         let whole = simd._mm256_add_pd(near, cast(offset));
         let places = self.avx2._mm256_xor_si256(cast(whole), cast(offset));
-        // SAFETY: every place is one of the table's, by the two comparisons.
+        // SAFETY: every index is inside the table, by the two comparisons.
         cast(unsafe { self.avx2._mm256_i64gather_pd::<8>(table.as_ptr(), places) })
     }
 
@@ -167,7 +167,7 @@ impl Vector for V3 {
     unsafe fn pairs(self, table: &[[f32; 2]], places: f64x4) -> f64x4 {
         let simd = self.avx2;
         let places = simd._mm256_xor_si256(cast(places), cast(self.splat_f64x4(ZEROTH)));
-        // SAFETY: the caller sees to the places, and a pair is as large as a double.
+        // SAFETY: the caller keeps every index inside the table, and a pair is as large as a double.
         cast(unsafe { simd._mm256_i64gather_pd::<8>(table.as_ptr().cast(), places) })
     }
 

@@ -84,7 +84,7 @@ impl Vector for V4 {
     }
 
     fn shift<const LOG: u32>(self, register: f64x8) -> f64x8 {
-        // Zeros by a mask: of a register of zeros the compiler makes an expansion, which takes two turns of the one port.
+        // Zeros by a mask: a register of zeros is compiled to an expansion, which occupies its one port for two cycles.
         let (masked, lanes): (_, [i64; 8]) = match LOG {
             0 => (0b1111_1110, [0, 0, 1, 2, 3, 4, 5, 6]),
             1 => (0b1111_1100, [0, 0, 0, 1, 2, 3, 4, 5]),
@@ -124,7 +124,7 @@ impl Vector for V4 {
         let near = simd._mm512_min_pd(low, cast(self.splat_f64x8(last as f64)));
         let whole = simd._mm512_add_pd(near, cast(offset));
         let places = simd._mm512_xor_si512(cast(whole), cast(offset));
-        // SAFETY: every place is one of the table's, by the two comparisons.
+        // SAFETY: every index is inside the table, by the two comparisons.
         cast(unsafe { simd._mm512_i64gather_pd::<8>(places, table.as_ptr()) })
     }
 
@@ -152,7 +152,7 @@ impl Vector for V4 {
         }
     }
 
-    /// By an estimate of 14 bits, and two steps of Newton's method: a root and a quotient hold up all others.
+    /// By an estimate of 14 bits and two steps of Newton's method, in less time than a square root and a division.
     fn inverse_root(self, numbers: f64x8) -> f64x8 {
         let half = self.mul_f64x8(numbers, self.splat_f64x8(-0.5));
         let mut root = cast(self.avx512f._mm512_rsqrt14_pd(cast(numbers)));
@@ -167,7 +167,7 @@ impl Vector for V4 {
     unsafe fn pairs(self, table: &[[f32; 2]], places: f64x8) -> f64x8 {
         let simd = self.avx512f;
         let places = simd._mm512_xor_si512(cast(places), cast(self.splat_f64x8(ZEROTH)));
-        // SAFETY: the caller sees to the places, and a pair is as large as a double.
+        // SAFETY: the caller keeps every index inside the table, and a pair is as large as a double.
         cast(unsafe { simd._mm512_i64gather_pd::<8>(places, table.as_ptr().cast()) })
     }
 
