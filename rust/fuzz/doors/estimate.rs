@@ -3,7 +3,7 @@
 use six_wheel_kinematics::batch;
 use six_wheel_kinematics::estimate::{Measured, Method, Unseen};
 use six_wheel_kinematics::geometry::Twist;
-use six_wheel_kinematics::table::{Beside, Readings, Table};
+use six_wheel_kinematics::table::{InputTables, Readings, Table};
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::threads::workers::Workers;
 
@@ -30,7 +30,7 @@ pub fn one(data: &[u8]) {
         let tables = Readings { steering: Table::Flat(&steering), speeds: Table::Flat(&speeds), steering_rates: None };
         let forward = batch::forward(&rover, tables, Unseen::Zero, &mut found, workers);
         let mut commands = (vec![7.0; rows * joints], vec![7.0; rows * wheels]);
-        let beside = Beside { previous: Some(Table::Flat(&steering)), ..Beside::default() };
+        let beside = InputTables { previous: Some(Table::Flat(&steering)), ..InputTables::default() };
         let inverse = batch::inverse(&rover, &twists, beside, &mut commands.0, &mut commands.1, workers);
         if inverse.is_err() {
             assert!(commands.1.iter().all(|value| *value == 7.0), "half written");

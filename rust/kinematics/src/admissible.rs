@@ -22,7 +22,7 @@ use crate::rover_data::RoverData;
 use crate::steering::SteeringRange;
 use crate::wheels::Wheel;
 
-/// Intervals of turning radius narrower than this are two names of one limit [share of the size].
+/// Limits of the turning radius closer together than this are one limit [share of the size].
 const SAME_RADIUS: f64 = 1e-9;
 
 /// Part of a twist that a projection preserves.
@@ -43,7 +43,7 @@ named_values! {
 }
 
 impl RoverData {
-    /// The steered wheels that may be off the way of their pivots, at the ends of their ranges, and their joints.
+    /// `(joint, wheel)` of the steered wheels that may slide sideways: those with trail, or at an end of their range.
     fn at_an_end<'a>(&'a self, steering: &'a [f64]) -> impl Iterator<Item = (usize, usize)> + 'a {
         let steered = self.steered().iter().copied().enumerate();
         steered.filter(|&(joint, i)| {
@@ -53,7 +53,7 @@ impl RoverData {
         })
     }
 
-    /// Side slip of the worst wheel at these steering angles, those of [`RoverData::solve`] [m/s]: 0 if the rover can
+    /// Largest side slip of a wheel at the steering angles of [`crate::rover::Rover::solve`] [m/s]: 0 if the rover can
     /// make the twist.
     pub fn scrub(&self, twist: Twist, steering: &[f64]) -> f64 {
         let vector = Vector3::from(twist);
@@ -66,7 +66,7 @@ impl RoverData {
         fixed.chain(steered).fold(0.0, f64::max)
     }
 
-    /// Wheels that miss the way of their pivots roll only as far as they point along it [rad/s].
+    /// Sets the speeds [rad/s] of wheels that slide sideways to the part of their contact's velocity along the heading.
     pub fn slow_down(&self, twist: Twist, steering: &[f64], speeds: &mut [f64]) {
         for (joint, i) in self.at_an_end(steering) {
             let wheel = &self.wheels()[i];
@@ -93,14 +93,16 @@ impl RoverData {
         planes.into_iter().flat_map(|(_, rows)| rows).collect()
     }
 
-    /// Smallest radius from which on every turn is possible, and largest up to which every one is.
+    /// `(min_radius, spin_radius)` [m]: the smallest radius from which on every turn is possible, and the largest up to
+    /// which every turn is.
     pub(crate) fn turning_limits(&self, cone: &AdmissibleCone) -> (f64, f64) {
         let line = match self.banks.as_slice() {
             [] => Vector3::new(0.0, 1.0, 0.0),
             [bank] => bank.row,
             _ => return (f64::INFINITY, 0.0),
         };
-        // Turning about P + R n, P = m e the foot of the origin: R times straight plus one turn about P.
+        // A turn of radius R at 1 rad/s is `spin + R straight`: `spin` turns about the foot P of the origin on the line
+        // of the axle, `straight` has speed 1.
         let straight = Vector3::new(line.y, -line.x, 0.0);
         let spin = Vector3::new(-line.z * line.x, -line.z * line.y, 1.0);
         let possible = |twist: Vector3<f64>| cone.is_possible(twist.into());
@@ -115,7 +117,7 @@ impl RoverData {
             let all = possible(straight) && possible(spin);
             return if all { (0.0, f64::INFINITY) } else { (f64::INFINITY, 0.0) };
         };
-        // The line of radii, cut at the limits, closes at infinity: one piece holds the straight line.
+        // The line of radii, cut at the limits, closes at infinity: its two outermost pieces meet in the straight line.
         let beyond = first.abs().max(last.abs()) + self.size;
         let straight_on = [-beyond, beyond].map(|radius| possible(spin + straight * radius));
         let mut min_radius: f64 = 0.0;
@@ -138,8 +140,8 @@ impl RoverData {
     }
 }
 
-/// Radii at which the pivot of a wheel with trail moves just as fast as its contact swings about it: between
-/// them no steering angle stops the side slip.
+/// Radii at which the pivot of a wheel with trail moves as fast as its contact turns about it, `|u| = |trail omega|`:
+/// between them no steering angle is without side slip.
 fn trail_radii(wheel: &Wheel, straight: Twist, spin: Twist) -> [f64; 2] {
     if wheel.trail == 0.0 {
         return [f64::NAN; 2];

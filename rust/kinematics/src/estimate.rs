@@ -17,30 +17,30 @@ use six_wheel_numerics::jacobi::{Jacobi, triangle};
 /// Singular values below this share of the largest are zero.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// Smallest pivot of the normal equations, as a share of their trace, that still determines a direction.
+/// A pivot of the normal equations above this share of their trace determines a direction.
 const PIVOT_TOLERANCE: f64 = 1e-13;
 
-/// Share of an unseen motion's largest component below which another one is rounding.
+/// A component of a motion below this share of the largest one is rounding, and shown as 0.
 const VANISHED: f64 = 1e-12;
 
-/// Slip that counts as noise in a robust fit: this share of the root mean square rim speed at least, and
-/// this many times the median residual.
+/// Residual up to which a robust fit takes slip for noise: the larger of this share of the root mean square rim speed
+/// and this many times the median residual.
 pub(crate) const NOISE: f64 = 0.01;
 pub(crate) const MEDIANS: f64 = 3.0;
 
-/// Change of the weights at which a robust fit has settled, and rounds after which it stops regardless.
+/// A robust fit has converged when no weight changes by more than this, and stops after this many rounds.
 pub(crate) const SETTLED: f64 = 1e-12;
 pub(crate) const ROUNDS: usize = 100;
 
-/// The wheel that disagrees most: the first of the largest residuals, none where every residual is 0 or unknown.
+/// Index of the first of the largest residuals; None where every residual is 0 or NaN.
 pub fn worst_wheel(residuals: &[f64]) -> Option<usize> {
     let largest = residuals.iter().copied().fold(0.0, f64::max);
     residuals.iter().position(|residual| *residual == largest && largest > 0.0)
 }
 
 impl RoverData {
-    /// Fails unless every reading is finite, passive wheels apart, and none is so large that the twist
-    /// would not be.
+    /// Fails unless every reading is finite, except speeds of wheels without a motor, and small enough for a finite
+    /// twist.
     pub(crate) fn check_readings(&self, measured: Measured<'_>) -> Result<(), Error> {
         finite("steering", measured.steering)?;
         let rates = measured.steering_rates.unwrap_or_default();
@@ -88,7 +88,7 @@ impl RoverData {
         Ok(())
     }
 
-    /// Puts the readings into the wheel equation.
+    /// Writes the two rows of every wheel at these readings, with their right-hand sides.
     pub fn read<'r>(&self, measured: Measured<'_>, readings: &'r mut [Reading]) -> &'r [Reading] {
         let mut joint = 0;
         let wheels = self.wheels().iter().zip(&self.mounts).zip(measured.speeds);
@@ -117,19 +117,20 @@ impl RoverData {
         &readings[..self.wheels().len()]
     }
 
-    /// A row for the unknowns about the centre of the pivots, scaled by their spread: the normal equations
-    /// are then close to a multiple of the identity and lose no digits.
+    /// A row of the twist as a row of the unknowns: the velocity of the centre of the pivots and the yaw rate times the
+    /// size of the rover. Their normal equations are close to a multiple of the identity and lose no digits.
     #[inline]
-    pub fn shifted(&self, row: &Vector3<f64>) -> Vector3<f64> {
+    pub fn row_about_centre(&self, row: &Vector3<f64>) -> Vector3<f64> {
         let moment = row.z + row.x * self.centre.y - row.y * self.centre.x;
         Vector3::new(row.x, row.y, moment / self.size)
     }
 
-    /// Normal equations about the centre of the pivots, every wheel by its weight.
+    /// Normal equations `sum weight (a aᵀ + b bᵀ)` of the unknowns about the centre of the pivots.
     pub fn normal(&self, readings: &[Reading], weight: impl Fn(usize) -> f64) -> Matrix3<f64> {
         let mut normal = Matrix3::zeros();
         for (i, reading) in readings.iter().enumerate() {
-            let (rolling, side_slip) = (self.shifted(&reading.rolling), self.shifted(&reading.side_slip));
+            let (rolling, side_slip) =
+                (self.row_about_centre(&reading.rolling), self.row_about_centre(&reading.side_slip));
             normal += (rolling * rolling.transpose() + side_slip * side_slip.transpose()) * weight(i);
         }
         normal
@@ -151,13 +152,13 @@ impl RoverData {
 
     /// The twist whose unknowns about the centre of the pivots these are.
     #[inline]
-    pub fn unshifted(&self, centred: &Vector3<f64>) -> Vector3<f64> {
+    pub fn twist_at_origin(&self, centred: &Vector3<f64>) -> Vector3<f64> {
         let omega = centred.z / self.size;
         Vector3::new(centred.x + omega * self.centre.y, centred.y - omega * self.centre.x, omega)
     }
 
     /// The inverse of the normal equations of the twist itself, from that about the centre of the pivots.
-    pub fn unshifted_inverse(&self, solution: &Matrix3<f64>) -> Matrix3<f64> {
+    pub fn inverse_at_origin(&self, solution: &Matrix3<f64>) -> Matrix3<f64> {
         let turn = Matrix3::new(
             1.0,
             0.0,
@@ -185,10 +186,10 @@ impl RoverData {
         }
     }
 
-    /// Names the motion that no reading sees.
+    /// The error that names the motion that no reading determines.
     fn underdetermined(&self, normal: Matrix3<f64>) -> Error {
-        let twist = self.unshifted(&Jacobi::new(&normal).turn.column(2).into_owned());
-        // To be read: the largest component is 1, and what vanishes beside it is 0.
+        let twist = self.twist_at_origin(&Jacobi::new(&normal).turn.column(2).into_owned());
+        // For the text: the largest component is 1, and rounding is 0.
         let largest = twist[twist.iamax()];
         let twist: [f64; 3] = (twist / largest).map(|part| if part.abs() < VANISHED { 0.0 } else { part }).into();
         let rule = "determine the twist";

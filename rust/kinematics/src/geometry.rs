@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{Vector2, Vector3};
 
-pub use crate::se2::accumulate::{Sum, Walk};
+pub use crate::se2::accumulate::{PoseAccumulator, Sum};
 pub use crate::se2::angles::wrap_angle;
 use crate::se2::maps::Map;
 use six_wheel_numerics::error::{Error, SHORTEST, finite, number, numbers};
@@ -69,7 +69,7 @@ impl GridPlacement {
         Ok(Self { spacing, origin, yaw, turn: Direction::from(yaw) })
     }
 
-    /// Between columns and between rows [m].
+    /// Distance between columns and between rows [m].
     #[inline]
     pub fn spacing(&self) -> [f64; 2] {
         self.spacing
@@ -113,14 +113,14 @@ impl GridPlacement {
         [self.origin[0] + x, self.origin[1] + y]
     }
 
-    /// A direction of the world in the axes of the grid [m].
+    /// A vector of the world in the axes of the grid [m].
     #[inline]
     pub fn grid_axes(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let Direction { sin, cos } = self.turn;
         [cos * x + sin * y, cos * y - sin * x]
     }
 
-    /// A direction in the axes of the grid [m] in those of the world.
+    /// A vector in the axes of the grid in those of the world [m].
     #[inline]
     pub fn world_axes(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let Direction { sin, cos } = self.turn;
@@ -164,7 +164,7 @@ impl From<Pose> for [f64; 3] {
     }
 }
 
-/// sin(x) / x. The quotient of two equally rounded numbers: only x = 0 itself needs a word.
+/// `sin(x) / x`: exact to rounding for every x but 0, where it is 1.
 #[inline]
 pub fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.sin() / x }
@@ -253,7 +253,7 @@ impl<'a> Steps<'a> {
         }
     }
 
-    /// Those of some of the steps.
+    /// The durations of some of the steps.
     #[inline]
     pub fn of(self, steps: Range<usize>) -> Self {
         match self {
@@ -262,8 +262,8 @@ impl<'a> Steps<'a> {
         }
     }
 
-    /// Fails unless there are `count` finite durations, of which none is negative: recordings hold the same stamp
-    /// twice, and in no time nothing moves.
+    /// Fails unless there are `count` finite durations, of which none is negative. Recordings have equal stamps, so 0
+    /// is allowed: a step without motion.
     #[inline]
     pub fn check(&self, count: usize) -> Result<(), Error> {
         self.check_each(count, |dt| dt >= 0.0, "be finite and not negative")
@@ -290,7 +290,7 @@ impl<'a> Steps<'a> {
     }
 }
 
-/// As many durations as neither one for all steps nor one for each.
+/// The failure of a number of durations that is neither 1 nor `count`.
 pub(crate) fn wrong_steps(count: usize, length: usize) -> Error {
     Error::value("dt", format!("be one number or have {count} of them, one per step"), length)
 }

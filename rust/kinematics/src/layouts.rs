@@ -60,7 +60,7 @@ impl Rover {
         ])
     }
 
-    /// The arguments of [`Self::six_wheel`] that make this very rover, if any do.
+    /// The arguments of [`Self::six_wheel`] that make an equal rover, if any do.
     pub fn as_six_wheel(&self) -> Option<([f64; 4], f64, SteeringRange)> {
         let [front, _, middle, _, rear, _] = self.wheels() else {
             return None;
@@ -187,8 +187,8 @@ impl Rover {
         Self::new(wheels)
     }
 
-    /// Four mecanum wheels with rollers at `roller_angle` to their axles, the usual way round: seen from
-    /// above, the rollers on top form a cross, those on the ground a diamond about the middle.
+    /// Four mecanum wheels with rollers at `roller_angle` to their axles: seen from above, the rollers on top form a
+    /// cross, those on the ground a diamond about the middle.
     pub fn mecanum(wheelbase: f64, track_width: f64, wheel_radius: f64, roller_angle: f64) -> Result<Self, Error> {
         positive("wheelbase", wheelbase)?;
         positive("track_width", track_width)?;

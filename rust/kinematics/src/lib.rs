@@ -1,9 +1,9 @@
 //! Kinematics of wheeled rovers: one wheel equation, any layout.
 //!
-//! A rover is data: a list of [`Wheel`]s. [`Rover`] checks it once and then answers, without state and
-//! without allocation, what every wheel has to do for a wanted body twist ([`Rover::inverse`]), which
-//! twist the wheels report ([`Rover::forward`], [`Rover::fit`]), and which twists the layout can make at
-//! all ([`Rover::check`], [`Rover::project`]).
+//! A rover is data: a list of [`Wheel`]s. [`Rover`] checks it once. Its methods, without state and allocation, compute
+//! the motion of every wheel for a desired body twist ([`Rover::inverse`]), the twist from readings of the wheels
+//! ([`Rover::forward`], [`Rover::fit`]), and the admissible twists of the layout ([`Rover::check`],
+//! [`Rover::project`]).
 //!
 //! Conventions (REP 103): x forward, y left, angles counter-clockwise in radians, SI units. A twist is
 //! the velocity of the body frame in body axes. Nothing here divides by a turning radius, so driving

@@ -38,7 +38,7 @@ impl Mobility {
         self.degree_of_mobility + self.degree_of_steerability
     }
 
-    /// The singular value that decides: the smallest one that is not zero, or 0 if none is.
+    /// The singular value at the rank: the smallest one that is not zero, or 0 if all are.
     ///
     /// It is the distance of a locked rover from moving, or of a mobile one from losing a constraint.
     #[inline]
@@ -48,7 +48,7 @@ impl Mobility {
 }
 
 impl Rover {
-    /// Mobility at these steering angles [rad]; without any, at angles that agree on a motion.
+    /// Mobility at these steering angles [rad]; without any, at the angles of a possible motion.
     ///
     /// Unsteered wheels count with the mean axle of their bank; wheels with rollers and castors resist nothing.
     pub fn mobility(&self, steering: Option<&[f64]>) -> Result<Mobility, Error> {

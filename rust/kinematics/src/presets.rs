@@ -1,4 +1,4 @@
-//! Rovers whose planar geometry somebody measured and published, with the source of the numbers.
+//! Rovers with published planar geometry, and the source of the numbers.
 
 use crate::layouts::SkidCentres;
 use crate::rover::Rover;
@@ -13,7 +13,7 @@ pub struct Preset {
     pub name: &'static str,
     /// Source of the numbers.
     pub source: &'static str,
-    /// Published steering limit [rad]; where none is, the whole default range is open.
+    /// Published steering limit [rad]; None: the default range.
     pub steering_limit: Option<f64>,
     layout: Layout,
 }
@@ -22,17 +22,18 @@ pub struct Preset {
 enum Layout {
     /// `[d1, d2, d3, d4]` and the wheel radius [m].
     SixWheel([f64; 4], f64),
-    /// Two steered front wheels `[x, y]`, and the axles [x] of fixed wheels on the same track; wheel radius.
+    /// `[x, y]` of the left of two steered front wheels, x of two axles of fixed wheels on the same track, wheel radius
+    /// [m].
     FrontSteered([f64; 2], [f64; 2], f64),
-    /// Half wheelbase, half track, radius of two axles that each pivot about their middle.
+    /// Half wheelbase, half track and radius of two axles that each pivot about their middle [m].
     PivotingAxles(f64, f64, f64),
-    /// Half wheelbase, half track, radius of four fixed wheels.
+    /// Half wheelbase, half track and radius of four fixed wheels [m].
     SkidSteer(f64, f64, f64),
-    /// Half track and radius of one fixed pair.
+    /// Half track and radius of one fixed pair [m].
     Pair(f64, f64),
 }
 
-/// Forward reach of the Rocky 7 bogie joint: R to differential, then a link of 0.16 m at 139 degrees.
+/// x of the Rocky 7 bogie joint [m]: the differential, then a link of 0.16 m at 139 degrees.
 const ROCKY7_BOGIE: f64 = 0.12075 - 0.16 * 0.754_709_580_222_771_9;
 
 /// Every preset, by name.

@@ -1,4 +1,4 @@
-//! A rover: its data, and the constants that the kernels of its questions have made of it.
+//! A rover: its data, and the constants of its kernels.
 
 use std::ops::Deref;
 use std::sync::OnceLock;
@@ -21,14 +21,14 @@ use crate::wheels::Wheel;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::Level;
 
-/// A wheeled vehicle: its wheels, and what follows from them once and for all.
+/// A wheeled vehicle: its wheels, and the constants that follow from them.
 ///
 /// Immutable, without state: every method may be called from any number of threads. It dereferences to its
 /// [`RoverData`], whose methods are its own.
 #[derive(Clone, Debug)]
 pub struct Rover {
     data: RoverData,
-    /// An angle up to here is no question of units, whichever wheel's it is [rad].
+    /// Angle up to which no steering angle is suspicious ([`units::angles`]), whichever wheel's it is [rad].
     plain_angle: f64,
     /// Constants of the inverse kinematics.
     pub inverse_constants: InverseConstants,
@@ -38,11 +38,11 @@ pub struct Rover {
     spin_radius: f64,
     /// The admissible twists.
     pub cone: AdmissibleCone,
-    /// Made when they are first asked for: many rovers are never asked to project.
+    /// The faces of the admissible set, made at the first projection.
     faces: OnceLock<Faces>,
-    /// Likewise, for fits by each method with either treatment of undetermined motion.
+    /// Constants of fits by each method with either treatment of undetermined motion, made at the first fit.
     fits: [OnceLock<FitConstants>; 6],
-    /// Likewise, for derivatives of the twist.
+    /// Constants of derivatives of the twist by each quantity, made at the first call.
     gradients: [OnceLock<Gradients>; Quantity::ALL.len()],
 }
 
@@ -82,7 +82,7 @@ impl Rover {
         })
     }
 
-    /// True if no angle raises a question of units ([`units::angles`]): a comparison each.
+    /// True if no angle can be suspicious ([`units::angles`]): one comparison per angle.
     pub fn are_plain(&self, steering: &[f64]) -> bool {
         steering.iter().all(|angle| angle.abs() <= self.plain_angle)
     }
@@ -104,8 +104,8 @@ impl Rover {
 
     /// Every turning radius of at least this size is possible [m]; 0 if all are, infinite if none is.
     ///
-    /// The centre of rotation lies on the line of the fixed wheels, or abreast of the body's origin if
-    /// there are none; the radius counts from the foot of the origin on that line.
+    /// The centre of rotation lies on the line of the fixed wheels, or on the y axis if there are none; the radius
+    /// counts from the foot of the origin on that line.
     pub fn min_radius(&self) -> f64 {
         self.min_radius
     }
@@ -135,14 +135,15 @@ impl Rover {
         Ok(())
     }
 
-    /// The inverse kinematics of a twist that need not be possible: a steered wheel goes as near as its range lets it.
+    /// The inverse kinematics of a twist that need not be possible: steering angles outside a range are clipped to its
+    /// nearer end.
     #[inline]
     pub fn solve(&self, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) {
         self.solve_row(self.inverse_constants.level, twist, inputs, [steering, speeds], false);
     }
 
-    /// [`Self::solve`] at a level; if the twist is to be checked, false and nothing written unless it is well inside the
-    /// admissible ones.
+    /// [`Self::solve`] at a level. If `is_checked`, returns false and writes nothing unless the twist is well inside
+    /// the admissible ones.
     #[inline]
     pub(crate) fn solve_row(
         &self,
@@ -201,17 +202,17 @@ impl Rover {
         self.cone.admissible(twist)
     }
 
-    /// The nearest twist the rover can make, preserving what `keep` says; an admissible one is unchanged.
+    /// The nearest admissible twist that preserves the components of `keep`; an admissible twist is unchanged.
     #[inline]
     pub fn project(&self, twist: Twist, keep: Keep) -> Result<Twist, Error> {
-        // The faces are not made for what lies inside them.
+        // The faces are not made for an admissible twist.
         if self.faces.get().is_none() && self.admissible(twist).unwrap_or(false) {
             return Ok(twist);
         }
         self.projection(keep).of(twist)
     }
 
-    /// Constants of projections that preserve what `keep` says.
+    /// Constants of projections that preserve the components of `keep`.
     pub(crate) fn projection(&self, keep: Keep) -> Projection<'_> {
         Projection { cone: &self.cone, faces: self.faces(), keep, size: self.size }
     }

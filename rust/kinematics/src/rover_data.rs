@@ -13,16 +13,16 @@ pub const MAX_WHEELS: usize = 64;
 /// Sine of the angle up to which two headings count as parallel: rounding of a heading given in degrees.
 const PARALLEL: f64 = 1e-9;
 
-/// Share of their distance from the origin by which pivots lie apart, at least, where twists are measured: below 1e-8 the
-/// rounding of squared distances hides it.
+/// Least size of a rover in its metric, as a share of the distance of its pivots from the origin: below 1e-8, rounding
+/// of squared distances exceeds the squared size.
 const CLOSE: f64 = 1e-6;
 
-/// Sine of the angle between two axles, 10 degrees, from which on fixed wheels have no say in each other's side-slip row:
-/// beyond what any wheel is out of true by, and less than what a designer means.
+/// Sine of the angle between two axles, 10 degrees, from which on fixed wheels have weight 0 in each other's side-slip
+/// rows: more than any misalignment, less than any intended angle.
 const ASIDE: f64 = 0.173_648_177_666_930_33;
 
-/// Fixed wheels with parallel axles. Together they allow turning about any point of one line, the mean of
-/// their axles: on several axles the wheels ahead of it and behind it scrub by design.
+/// A bank: the fixed wheels with parallel axles. They allow rotation about any point of one line, the mean of their
+/// axles: on several axles the wheels ahead of it and behind it slide sideways by design.
 #[derive(Clone, Debug)]
 pub struct Bank {
     /// No side slip on the mean axle: this row times the twist is zero.
@@ -53,20 +53,21 @@ pub struct RoverData {
     pub mounts: Vec<Mount>,
     /// Groups of fixed wheels with parallel axles.
     pub banks: Vec<Bank>,
-    /// Mean of the pivots, about which the twist is estimated.
+    /// Mean of the pivots [m], about which the twist is estimated.
     pub centre: Vector2<f64>,
-    /// Root mean square distance of the pivots from it.
+    /// Root mean square distance of the pivots from it [m]: the size of the rover.
     pub size: f64,
-    /// Mean over the wheels of the squared pivot velocity, as a quadratic form of the twist; positive definite.
+    /// Mean over the wheels of the squared pivot velocity [m²/s²], as a quadratic form of the twist; positive definite.
     pub metric: Matrix3<f64>,
     /// Solution of the normal equations of the forward kinematics, where it does not depend on the steering angles.
     pub solution: Option<Matrix3<f64>>,
-    /// Readings times this must be finite.
+    /// Bound of the twist per reading: readings times this must be finite.
     pub reading_bound: f64,
 }
 
 impl RoverData {
-    /// Fails if a wheel is not well formed or two share a name. The solution is for who knows the estimate.
+    /// Fails if a wheel is not well formed or two share a name. `solution` is None; [`crate::rover::Rover::new`] sets
+    /// it.
     pub fn new(wheels: Vec<Wheel>) -> Result<Self, Error> {
         if wheels.is_empty() || wheels.len() > MAX_WHEELS {
             return Err(Error::value("wheels", format!("hold 1 to {MAX_WHEELS} wheels"), wheels.len()));
@@ -84,9 +85,9 @@ impl RoverData {
         let count = wheels.len() as f64;
         let centre = pivots().sum::<Vector2<f64>>() / count;
         let spread = pivots().map(|pivot| (pivot - centre).norm_squared()).sum::<f64>() / count;
-        // All pivots on one point: any length will do, so take that of the wheels.
+        // If all pivots coincide, any length serves as the size: the radius of a wheel.
         let size = if spread > 0.0 { spread.sqrt() } else { wheels[0].radius };
-        // A turn about pivots that are far away and close together moves by more than rounding.
+        // So that the metric is positive definite for pivots that are close together and far from the origin.
         let turned = size.max(CLOSE * centre.norm());
         let square = centre.norm_squared() + turned * turned;
         let metric = Matrix3::new(
@@ -148,10 +149,9 @@ impl RoverData {
 /// Optional inputs of the inverse beside the twist, one value per steered wheel or per wheel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inputs<'a> {
-    /// Present steering angles [rad]: what a wheel at rest holds, and which equivalent angle is nearer.
-    /// Default 0.
+    /// Present steering angles [rad]: held by wheels at rest, and nearest to these of equivalent angles. Default 0.
     pub previous: Option<&'a [f64]>,
-    /// Present wheel speeds [rad/s]: which way round undecided wheels roll already.
+    /// Present wheel speeds [rad/s]: their signs decide direction ties. Default 0.
     pub previous_speeds: Option<&'a [f64]>,
     /// Rates of the steering angles [rad/s]; they matter to wheels with scrub or trail. Default 0.
     pub steering_rates: Option<&'a [f64]>,
@@ -177,7 +177,7 @@ fn banks(wheels: &[Wheel]) -> Vec<Bank> {
         let parallel = |bank: &&mut Bank| (bank.row.x * row.y - bank.row.y * row.x).abs() <= PARALLEL;
         match banks.iter_mut().find(parallel) {
             Some(bank) => {
-                // The normal may point the other way: the wheel then rolls the bank's way backwards.
+                // The row of a wheel with the opposite heading has the opposite sign.
                 let same_way = (bank.row.x * row.x + bank.row.y * row.y).signum();
                 let count = bank.wheels.len() as f64;
                 bank.row.z += (same_way * row.z - bank.row.z) / (count + 1.0);
@@ -200,7 +200,7 @@ fn side_slip_share(row: &Vector3<f64>, other: &Vector3<f64>) -> f64 {
     (falling * falling).copysign(row.x * other.x + row.y * other.y)
 }
 
-/// Change of [`side_slip_share`] with the other row.
+/// Derivative of [`side_slip_share`] along a change of the other row.
 fn side_slip_share_derivative(row: &Vector3<f64>, other: &Vector3<f64>, change: &Vector3<f64>) -> f64 {
     let sine = (row.x * other.y - row.y * other.x) / ASIDE;
     let sine_change = (row.x * change.y - row.y * change.x) / ASIDE;
@@ -209,7 +209,8 @@ fn side_slip_share_derivative(row: &Vector3<f64>, other: &Vector3<f64>, change: 
 }
 
 impl RoverData {
-    /// The side-slip row of a fixed wheel before it is shared; none of wheels that share nothing.
+    /// The wheel's own side-slip row, before it is shared; None for wheels that share none: steered, castors, with
+    /// rollers.
     fn unshared_side_slip_row(&self, k: usize) -> Option<Vector3<f64>> {
         let wheel = &self.wheels[k];
         match self.mounts[k] {
@@ -221,8 +222,8 @@ impl RoverData {
         }
     }
 
-    /// Changes of the side-slip row of every fixed wheel when the own row of wheel `i` changes: as part of their means,
-    /// and by the weights of the two in each other's row.
+    /// Changes of the side-slip rows of fixed wheels by a change of the own row of wheel `i`: as a term of their means,
+    /// and by the weights of the two wheels in each other's rows.
     pub(crate) fn changes_with(&self, i: usize, change: Vector3<f64>) -> impl Iterator<Item = (usize, Vector3<f64>)> {
         let rows = move || (0..self.wheels.len()).filter_map(|k| Some((k, self.unshared_side_slip_row(k)?)));
         rows().filter_map(move |(k, own)| {
@@ -246,7 +247,7 @@ impl RoverData {
                 }
             }
             let row_change = (sum_change - sum * (total_change / total)) / total;
-            // A row that several wheels share may point the other way than that of one of them.
+            // A shared row may have the opposite sign of the wheel's own row.
             let Mount::Fixed(Rows { side_slip, .. }) = self.mounts[k] else {
                 return None;
             };
@@ -256,7 +257,7 @@ impl RoverData {
     }
 }
 
-/// The side-slip row of a fixed wheel: the mean over all whose axles are about parallel to its own, each by its say.
+/// The side-slip row of a fixed wheel: the mean of the rows of all wheels, by their weights [`side_slip_share`].
 fn shared_row(wheels: &[Wheel], banks: &[Bank], i: usize, own: Vector3<f64>) -> Vector3<f64> {
     let Some(bank) = banks.iter().find(|bank| bank.wheels.contains(&i)) else {
         return own; // with rollers
@@ -275,7 +276,7 @@ fn shared_row(wheels: &[Wheel], banks: &[Bank], i: usize, own: Vector3<f64>) -> 
     sum / total
 }
 
-/// Contribution of each wheel: constant rows, with the line it shares for its own, or a steering range.
+/// The mount of every wheel: constant rows with the shared side-slip row, or a steering range.
 fn mounts(wheels: &[Wheel], banks: &[Bank]) -> Vec<Mount> {
     let mount = |(i, wheel): (usize, &Wheel)| {
         let direction = Direction::from(wheel.heading);

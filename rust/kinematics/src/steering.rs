@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use six_wheel_numerics::error::{Error, positive, short};
 
-/// Overshoot of a steering angle that is rounding, not a request [rad].
+/// Overshoot of a steering range up to which an angle counts as inside: rounding [rad].
 pub const ANGLE_TOLERANCE: f64 = 1e-9;
 
 /// Play and noise of a measured steering angle beyond its range [rad]; an angle farther off is an error of wiring or units.
@@ -27,10 +27,10 @@ impl Default for SteeringRange {
 }
 
 impl SteeringRange {
-    /// Without ends: a joint that turns on and on.
+    /// Without ends: a joint that turns any number of times.
     pub const ENDLESS: Self = Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
 
-    /// Wherever a wheel may turn that nothing steers.
+    /// Range of a wheel without a steering joint, such as a castor.
     pub(crate) const WHOLE_TURN: Self = Self { lower: -PI, upper: PI };
 
     /// From `-limit` to `limit`; infinity is endless. Fails unless the limit is positive.

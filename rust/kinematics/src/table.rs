@@ -1,4 +1,5 @@
-//! Arguments of a batch where the caller keeps them: as the kernels take them, or read a block at a time.
+//! Arguments of a batch in the caller's memory: rows that the kernels take directly, or rows that are read a block at a
+//! time.
 
 use std::fmt;
 use std::ops::Range;
@@ -14,13 +15,13 @@ use six_wheel_numerics::sizes;
 pub enum Table<'a> {
     /// Row after row.
     Flat(&'a [f64]),
-    /// In any other order or form.
+    /// In any other order or type, to be read.
     Read(&'a dyn Source),
 }
 
-/// Something that can be read as rows of numbers, by several threads at once.
+/// An array that can be read as rows of numbers, by several threads at once.
 pub trait Source: Sync {
-    /// Reads the numbers from number `first` on, as many as there is room for.
+    /// Fills `target` with the numbers from number `first` on.
     fn read(&self, first: usize, target: &mut [f64]);
 }
 
@@ -47,7 +48,7 @@ impl<'a> Table<'a> {
         self.get(rows.start * width, rows.end * width, buffer)
     }
 
-    /// The numbers from `first` to `end`, in the buffer if they have to be read.
+    /// The numbers from `first` to `end`; they are in the buffer if they have to be read.
     pub fn get<'b>(self, first: usize, end: usize, buffer: &'b mut Vec<f64>) -> &'b [f64]
     where
         'a: 'b,
@@ -89,7 +90,7 @@ impl<'a, const N: usize> From<&'a Vec<[f64; N]>> for Table<'a> {
 
 /// [`Inputs`] of a batch.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Beside<'a> {
+pub struct InputTables<'a> {
     /// Present steering angles [rad].
     pub previous: Option<Table<'a>>,
     /// Present wheel speeds [rad/s].
@@ -98,7 +99,7 @@ pub struct Beside<'a> {
     pub steering_rates: Option<Table<'a>>,
 }
 
-impl<'a> From<Inputs<'a>> for Beside<'a> {
+impl<'a> From<Inputs<'a>> for InputTables<'a> {
     fn from(inputs: Inputs<'a>) -> Self {
         Self {
             previous: inputs.previous.map(Table::Flat),
@@ -119,7 +120,7 @@ pub struct Log<'a> {
     pub steering_rates: Option<&'a [f64]>,
 }
 
-/// A [`Log`] that need not be in memory as it is.
+/// A [`Log`] whose columns may have to be read.
 #[derive(Clone, Copy, Debug)]
 pub struct Readings<'a> {
     /// Steering angles [rad], one row of steered wheels per instant.
@@ -140,7 +141,7 @@ impl<'a> From<Log<'a>> for Readings<'a> {
     }
 }
 
-/// [`Steps`] that need not be in memory as they are.
+/// [`Steps`] that may have to be read.
 #[derive(Clone, Copy, Debug)]
 pub enum Durations<'a> {
     /// Every step takes the same time [s].
@@ -170,7 +171,7 @@ impl<'a> Durations<'a> {
         }
     }
 
-    /// [`Steps::check`]; the longest of them [s].
+    /// [`Steps::check`]; returns the longest duration [s].
     pub fn check(self, count: usize, block: usize) -> Result<f64, Error> {
         let (table, length) = match self {
             Self::Each(table, length) if length == count => (table, length),

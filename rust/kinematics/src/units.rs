@@ -1,6 +1,6 @@
-//! Numbers that cannot be a rover's in metres and radians: questions, each with the unit that is likely.
+//! Suspicions of numbers that are implausible in metres and radians, each with the likely unit.
 //!
-//! They are warnings: the call computes its result all the same.
+//! They become warnings: the call computes its result regardless.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -52,18 +52,18 @@ impl Quantity {
     }
 }
 
-/// A radius [m] that would be none in centimetres either.
+/// Radius from which on millimetres are likelier than centimetres, as a number in the wrong unit.
 const MILLIMETRES: f64 = 20.0;
 
 /// Suspicion about the unit of a number, with its likely explanation.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Question {
-    /// The argument.
-    pub about: &'static str,
-    /// Description of what is odd.
-    pub says: String,
-    /// Likely explanation.
-    pub likely: String,
+pub struct UnitSuspicion {
+    /// Name of the argument.
+    pub argument: &'static str,
+    /// The implausible value in words.
+    pub finding: String,
+    /// The likely explanation.
+    pub explanation: String,
 }
 
 /// Settings that have a plausible range, by the names that `Limits`, `Noise` and `FeasibilityLimits` have for them.
@@ -79,8 +79,8 @@ const SETTINGS: [(&str, Quantity); 9] = [
     ("bogie", Quantity::Inclination),
 ];
 
-/// Everything that is odd about some settings, by their names.
-pub fn settings<'a>(given: impl IntoIterator<Item = (&'a str, f64)>) -> Vec<Question> {
+/// Suspicions of settings, by their names.
+pub fn settings<'a>(given: impl IntoIterator<Item = (&'a str, f64)>) -> Vec<UnitSuspicion> {
     let known = |(name, value)| {
         let found = SETTINGS.iter().find(|(setting, _)| *setting == name);
         found.map(|&(setting, quantity)| (setting, quantity, value))
@@ -88,55 +88,55 @@ pub fn settings<'a>(given: impl IntoIterator<Item = (&'a str, f64)>) -> Vec<Ques
     arguments(given.into_iter().filter_map(known))
 }
 
-/// Everything that is odd about the angles of one wheel, which may be of any rover.
-pub fn wheel(wheel: &Wheel) -> Vec<Question> {
+/// Suspicions of the angles of one wheel, which may be of any rover.
+pub fn wheel(wheel: &Wheel) -> Vec<UnitSuspicion> {
     wheel.steering().into_iter().flat_map(steering).chain(direction(wheel)).collect()
 }
 
-/// Everything that is odd about the range of a steering joint.
-pub fn steering(range: SteeringRange) -> Vec<Question> {
+/// Suspicion of the range of a steering joint.
+pub fn steering(range: SteeringRange) -> Vec<UnitSuspicion> {
     arguments([("steering_limit", Quantity::SteeringAngle, widest(range))])
 }
 
-/// Everything that is odd about the arguments of a constructor: name, quantity and value of each.
-fn arguments(given: impl IntoIterator<Item = (&'static str, Quantity, f64)>) -> Vec<Question> {
+/// Suspicions of arguments of a constructor: name, quantity and value of each.
+fn arguments(given: impl IntoIterator<Item = (&'static str, Quantity, f64)>) -> Vec<UnitSuspicion> {
     let odd = given.into_iter().filter(|&(_, quantity, value)| quantity.excludes(value));
-    odd.map(|(about, quantity, value)| too_large(about, quantity, value)).collect()
+    odd.map(|(argument, quantity, value)| too_large(argument, quantity, value)).collect()
 }
 
 /// A value in radians, or radians per second, that is likely one in degrees.
-fn too_large(about: &'static str, quantity: Quantity, value: f64) -> Question {
+fn too_large(argument: &'static str, quantity: Quantity, value: f64) -> UnitSuspicion {
     let (shown, turns) = (digits(value), digits(value / TAU));
-    let (says, likely) = match quantity {
+    let (finding, explanation) = match quantity {
         Quantity::Rate => (
-            format!("{about} of {shown} rad/s is {turns} turns per second"),
+            format!("{argument} of {shown} rad/s is {turns} turns per second"),
             format!("{shown} degrees per second are {} rad/s", short(value.to_radians())),
         ),
-        _ => (format!("{about} of {shown} rad is {turns} turns"), in_degrees(value)),
+        _ => (format!("{argument} of {shown} rad is {turns} turns"), in_degrees(value)),
     };
-    Question { about, says, likely }
+    UnitSuspicion { argument, finding, explanation }
 }
 
-/// Everything that is odd about the dimensions of a rover.
+/// Suspicions of the dimensions of a rover.
 #[inline]
-pub fn dimensions(rover: &RoverData) -> Vec<Question> {
+pub fn dimensions(rover: &RoverData) -> Vec<UnitSuspicion> {
     let wheels = rover.wheels();
     let one_each = [lengths(wheels), exchanged(wheels), range(rover)];
     let turned = wheels.iter().find_map(direction);
     one_each.into_iter().flatten().chain(turned).collect()
 }
 
-fn lengths(wheels: &[Wheel]) -> Option<Question> {
+fn lengths(wheels: &[Wheel]) -> Option<UnitSuspicion> {
     let radius = largest(wheels.iter().map(|wheel| wheel.radius));
     let reach = largest(wheels.iter().map(|wheel| wheel.x.abs().max(wheel.y.abs())));
     if !Quantity::Radius.excludes(radius) && !Quantity::Distance.excludes(reach) {
         return None;
     }
     let (unit, metres) = if radius >= MILLIMETRES { ("millimetres", 1e-3) } else { ("centimetres", 1e-2) };
-    Some(Question {
-        about: "wheel_radius",
-        says: format!("a wheel has a radius of {} m, and is {} m from the origin", digits(radius), digits(reach)),
-        likely: format!(
+    Some(UnitSuspicion {
+        argument: "wheel_radius",
+        finding: format!("a wheel has a radius of {} m, and is {} m from the origin", digits(radius), digits(reach)),
+        explanation: format!(
             "lengths are in metres; in {unit} they would be {} m and {} m",
             digits(radius * metres),
             digits(reach * metres)
@@ -144,38 +144,43 @@ fn lengths(wheels: &[Wheel]) -> Option<Question> {
     })
 }
 
-/// A wheel that reaches beyond the farthest other one: of two lengths, the first is likely the second.
-fn exchanged(wheels: &[Wheel]) -> Option<Question> {
+/// A wheel radius larger than the distance of any two wheels: the two lengths are likely exchanged.
+fn exchanged(wheels: &[Wheel]) -> Option<UnitSuspicion> {
     let radius = largest(wheels.iter().map(|wheel| wheel.radius));
     let apart = wheels.iter().enumerate().flat_map(|(k, one)| {
         let others = wheels[..k].iter();
         others.map(move |other| (one.x - other.x).hypot(one.y - other.y))
     });
     let apart = largest(apart);
-    (apart > 0.0 && radius > apart).then(|| Question {
-        about: "wheel_radius",
-        says: format!(
+    (apart > 0.0 && radius > apart).then(|| UnitSuspicion {
+        argument: "wheel_radius",
+        finding: format!(
             "a wheel has a radius of {} m, and no two wheels are more than {} m apart",
             digits(radius),
             digits(apart)
         ),
-        likely: "two lengths may have changed places".into(),
+        explanation: "two lengths may have changed places".into(),
     })
 }
 
-/// A wheel or rollers in a direction that is many turns round.
-fn direction(wheel: &Wheel) -> Option<Question> {
+/// Suspicion of a heading or roller angle of many turns.
+fn direction(wheel: &Wheel) -> Option<UnitSuspicion> {
     let angles = [("heading", wheel.heading), ("roller_angle", wheel.roller_angle.unwrap_or_default())];
     let far = |&(_, angle): &(&str, f64)| Quantity::Direction.excludes(angle);
-    let (about, angle) = angles.into_iter().find(far)?;
-    Some(Question {
-        about,
-        says: format!("{about} of wheel {:?} is {} rad, {} turns", wheel.name, digits(angle), digits(angle / TAU)),
-        likely: in_degrees(angle),
+    let (argument, angle) = angles.into_iter().find(far)?;
+    Some(UnitSuspicion {
+        argument,
+        finding: format!(
+            "{argument} of wheel {:?} is {} rad, {} turns",
+            wheel.name,
+            digits(angle),
+            digits(angle / TAU)
+        ),
+        explanation: in_degrees(angle),
     })
 }
 
-fn range(rover: &RoverData) -> Option<Question> {
+fn range(rover: &RoverData) -> Option<UnitSuspicion> {
     let wheels = rover.wheels();
     let ranges = wheels.iter().filter_map(Wheel::steering);
     let widest = largest(ranges.map(widest).filter(|angle| angle.is_finite()));
@@ -184,16 +189,16 @@ fn range(rover: &RoverData) -> Option<Question> {
     arguments([("steering_limit", quantity, widest)]).pop()
 }
 
-/// Largest angle about which [`angles`] asks nothing, whichever wheel's it is [rad].
+/// Largest angle that is not suspicious by [`angles`], whichever wheel's it is [rad].
 pub(crate) fn plain_angle(rover: &RoverData) -> f64 {
     let wheels = rover.wheels().iter();
     let ranges = wheels.filter_map(Wheel::steering).map(widest);
     ranges.fold(f64::INFINITY, f64::min) + PI
 }
 
-/// The first of some steering angles [rad] that lies more than half a turn beyond its joint's range. Rows are looked at
-/// here and there: a log is in one unit.
-pub fn angles(rover: &RoverData, table: Table<'_>, count: usize) -> Option<Question> {
+/// Suspicion of the first steering angle [rad] more than half a turn beyond its joint's range, among [`ROWS`] rows at
+/// equal distances: all rows of a log have the same unit.
+pub fn angles(rover: &RoverData, table: Table<'_>, count: usize) -> Option<UnitSuspicion> {
     let (joints, buffer) = (rover.steered().len(), &mut Vec::new());
     if joints == 0 {
         return None;
@@ -206,20 +211,20 @@ pub fn angles(rover: &RoverData, table: Table<'_>, count: usize) -> Option<Quest
     })
 }
 
-/// Rows of a log that are looked at.
+/// Rows of a log that are examined at most.
 const ROWS: usize = 64;
 
-fn beyond(wheel: &Wheel, angle: f64) -> Option<Question> {
+fn beyond(wheel: &Wheel, angle: f64) -> Option<UnitSuspicion> {
     let beyond = angle.abs() - widest(wheel.steering()?);
-    (angle.is_finite() && beyond > PI).then(|| Question {
-        about: "steering",
-        says: format!(
+    (angle.is_finite() && beyond > PI).then(|| UnitSuspicion {
+        argument: "steering",
+        finding: format!(
             "an angle of wheel {:?} is {} rad, {} turns beyond its range",
             wheel.name,
             digits(angle),
             digits(beyond / TAU)
         ),
-        likely: in_degrees(angle),
+        explanation: in_degrees(angle),
     })
 }
 
@@ -238,7 +243,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, f64::max)
 }
 
-/// Four digits, and no more places than there are.
+/// A number rounded to four digits, without trailing zeros.
 fn digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     format!("{rounded}")
@@ -252,7 +257,7 @@ mod tests {
     use crate::rover::Rover;
 
     #[test]
-    fn published_rovers_raise_no_question() -> Result<(), six_wheel_numerics::error::Error> {
+    fn published_rovers_raise_no_suspicion() -> Result<(), six_wheel_numerics::error::Error> {
         for preset in presets::PRESETS {
             let rover = presets::preset(preset.name, None)?;
             assert_eq!(dimensions(&rover), []);
@@ -261,18 +266,22 @@ mod tests {
     }
 
     #[test]
-    fn settings_are_asked_about_beyond_their_range_and_not_at_its_ends() {
+    fn settings_are_suspicious_beyond_their_range_and_not_at_its_ends() {
         for (name, quantity) in SETTINGS {
             let largest = quantity.largest();
             for (value, odd) in [(largest, false), (largest.next_up(), true), (f64::INFINITY, false), (f64::NAN, false)]
             {
                 for value in [value, -value] {
                     let asked = settings([(name, value), ("speed", 1e9)]);
-                    assert_eq!(asked.iter().map(|question| question.about).collect::<Vec<_>>(), vec![name; odd.into()]);
+                    assert_eq!(
+                        asked.iter().map(|suspicion| suspicion.argument).collect::<Vec<_>>(),
+                        vec![name; odd.into()]
+                    );
                 }
             }
         }
-        let likely: Vec<String> = settings([("yaw_rate", 60.0)]).into_iter().map(|question| question.likely).collect();
+        let likely: Vec<String> =
+            settings([("yaw_rate", 60.0)]).into_iter().map(|suspicion| suspicion.explanation).collect();
         assert_eq!(likely, ["60 degrees per second are 1.047 rad/s"]);
     }
 
@@ -295,7 +304,7 @@ mod tests {
 
     #[test]
     fn degrees_and_centimetres_and_exchanged_lengths_do() -> Result<(), six_wheel_numerics::error::Error> {
-        let about = |rover: &Rover| dimensions(rover).first().map(|question| question.about);
+        let about = |rover: &Rover| dimensions(rover).first().map(|suspicion| suspicion.argument);
         let limit = SteeringRange::symmetric(40.0)?;
         assert_eq!(about(&Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, limit)?), Some("steering_limit"));
         for (track, radius) in [(50.0, 10.0), (500.0, 100.0), (0.1, 0.5)] {
@@ -313,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_are_asked_about_half_a_turn_beyond_their_range() -> Result<(), six_wheel_numerics::error::Error> {
+    fn angles_are_suspicious_half_a_turn_beyond_their_range() -> Result<(), six_wheel_numerics::error::Error> {
         let limit = SteeringRange::symmetric(1.0)?;
         let rover = Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, limit)?;
         for (angle, asked) in [(1.0 + PI, false), (1.0 + PI + 1e-9, true), (f64::NAN, false)] {

@@ -17,13 +17,13 @@ use crate::geometry::{Direction, Twist};
 use crate::steering::SteeringRange;
 use six_wheel_numerics::error::{Error, HUGE, TINY, finite, number, positive};
 
-/// Heading of a wheel beyond which its sum with a steering angle is no longer one to rounding [rad].
+/// Largest heading of a wheel [rad]: its sum with a steering angle is exact to 1e-13 rad.
 const LARGEST_HEADING: f64 = 1e3;
 
-/// Sine of a roller angle that is none: the drive would have to be this much stronger than the push.
+/// Least sine of a roller angle: rollers along the axle transmit no motion of the rim.
 const FLAT_ROLLERS: f64 = 1e-6;
 
-/// Share of the summed speeds at a pivot below which their sum is nothing but rounding.
+/// A pivot is at rest if its velocity is at most this share of the sum of the magnitudes of its terms: rounding.
 pub const REST: f64 = 4.0 * f64::EPSILON;
 
 /// One wheel of a rover, as data.
@@ -39,7 +39,7 @@ pub struct Wheel {
     pub radius: f64,
     /// Direction in which the wheel rolls at steering angle 0 [rad].
     pub heading: f64,
-    /// Cause of the wheel's direction.
+    /// Kind of the wheel: fixed, steered or castor.
     pub pivot: Pivot,
     /// Contact to the left of the steering axis [m].
     pub scrub: f64,
@@ -52,23 +52,23 @@ pub struct Wheel {
     pub driven: bool,
 }
 
-/// Cause of the direction of a wheel.
+/// Kind of a wheel by the cause of its direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pivot {
-    /// It is mounted that way.
+    /// It is mounted in its heading.
     Fixed,
     /// A steering joint within its range.
     Steered(SteeringRange),
-    /// Nothing: it swivels freely behind its pivot and constrains no motion.
+    /// It swivels freely behind its pivot and constrains no motion.
     Castor,
 }
 
 /// The two rows of the wheel equation at one steering angle, each to be multiplied by `(vx, vy, omega)`.
 #[derive(Clone, Copy, Debug)]
 pub struct Rows {
-    /// Gives `radius * speed + scrub * steering_rate`.
+    /// Its product with the twist is `radius * speed + scrub * steering_rate` [m/s].
     pub rolling: Vector3<f64>,
-    /// Gives `trail * steering_rate`.
+    /// Its product with the twist is `trail * steering_rate` [m/s].
     pub side_slip: Vector3<f64>,
 }
 
@@ -114,7 +114,7 @@ impl Wheel {
         }
     }
 
-    /// Fails unless every number makes sense.
+    /// Fails unless every number is inside its range.
     pub fn check(&self) -> Result<(), Error> {
         if self.name.is_empty() {
             return Err(Error::value("name", "not be empty", "''"));
@@ -158,7 +158,7 @@ impl Wheel {
         Ok(())
     }
 
-    /// True if a steering angle is a fixed offset of the contact: neither scrub nor trail.
+    /// True if the contact is on the steering axis: neither scrub nor trail.
     #[inline]
     pub fn is_centred(&self) -> bool {
         self.scrub == 0.0 && self.trail == 0.0
@@ -166,7 +166,8 @@ impl Wheel {
 
     /// The wheel equation with the wheel rolling in `direction` (body axes).
     ///
-    /// Rollers give way across their axes: what is left of both rows is the one along them.
+    /// Rollers move freely across their axes: the two rows combine to the one along these, `rolling + cot(roller angle)
+    /// side_slip`.
     #[inline]
     pub fn rows(&self, direction: Direction) -> Rows {
         let Rows { rolling, side_slip } = self.bare_rows(direction);
@@ -176,14 +177,14 @@ impl Wheel {
         }
     }
 
-    /// Motion along the wheel that rollers pass on per metre across it, `cot(roller angle)`; `None` without rollers.
+    /// Distance along the wheel per metre across it by rollers, `cot(roller angle)`; `None` without rollers.
     #[inline]
     pub fn passed_on(&self) -> Option<f64> {
         self.roller_angle.map(|angle| angle.cos() / angle.sin())
     }
 
-    /// The two rows of a steered wheel without scrub and trail, whichever way it points: the velocity of its pivot,
-    /// along the axes.
+    /// The two rows of a steered wheel without scrub and trail, at any steering angle: the velocity of its pivot along
+    /// x and y.
     pub fn pivot_rows(&self) -> [Vector3<f64>; 2] {
         [Vector3::new(1.0, 0.0, -self.y), Vector3::new(0.0, 1.0, self.x)]
     }

@@ -105,9 +105,9 @@ impl Kernel for LogIntegrator<'_> {
 #[inline(always)]
 fn load_state(state: &mut State, has_gyroscope: bool, count: usize, scratch: &mut BlockScratch, block: &mut LogBlock) {
     for k in 0..count.min(BLOCK) {
-        block.heading.0[k] = state.walk.heading.value();
-        state.walk.turn(block.displacement[2].0[k]);
-        block.poses[2].0[k] = state.walk.yaw.value();
+        block.heading.0[k] = state.pose_sums.heading.value();
+        state.pose_sums.turn(block.displacement[2].0[k]);
+        block.poses[2].0[k] = state.pose_sums.yaw.value();
     }
     for (ends, carried) in scratch.ends.iter_mut().zip(&state.uncertainty.carried) {
         for (end, carried) in ends.iter_mut().zip(carried) {
@@ -146,9 +146,9 @@ fn accumulate_poses(count: usize, block: &mut LogBlock, state: &mut State) {
         for (part, column) in <[f64; 6]>::from(settled.total()).into_iter().zip(&mut block.own) {
             column.0[k] = part;
         }
-        state.walk.shift(block.poses[0].0[k], block.poses[1].0[k]);
-        block.poses[0].0[k] = state.walk.x.value();
-        block.poses[1].0[k] = state.walk.y.value();
+        state.pose_sums.shift(block.poses[0].0[k], block.poses[1].0[k]);
+        block.poses[0].0[k] = state.pose_sums.x.value();
+        block.poses[1].0[k] = state.pose_sums.y.value();
         uncertainty.propagate_yaw_offset(lever);
     }
     if let Some(last) = count.checked_sub(1) {

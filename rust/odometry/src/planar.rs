@@ -20,7 +20,7 @@ use crate::state::{OVERHEAD, State, check_covariance, check_pose};
 use crate::step::{Workspace, shared_readings};
 use crate::uncertainty::Uncertainty;
 use nalgebra::Matrix3;
-use six_wheel_kinematics::geometry::{Pose, Twist, Walk};
+use six_wheel_kinematics::geometry::{Pose, PoseAccumulator, Twist};
 use six_wheel_kinematics::rover::{Inputs, Rover};
 use six_wheel_numerics::error::{Error, HUGE, finite};
 
@@ -101,7 +101,8 @@ impl Odometry {
         let shared = shared_readings(&rover, from_rates);
         let mut uncertainty = Uncertainty::new(shared, settings.constant_error_count());
         uncertainty.bias = settings.gyroscope.map(|known| known.at_start());
-        let state = State { walk: Walk::new([0.0; 3]), twist: Twist::ZERO, velocity: None, uncertainty };
+        let state =
+            State { pose_sums: PoseAccumulator::new([0.0; 3]), twist: Twist::ZERO, velocity: None, uncertainty };
         let reference = ReferenceSample {
             known: false,
             stamp: 0.0,
@@ -232,7 +233,7 @@ impl Odometry {
         let covariance = check_covariance(covariance)?;
         finite("covariance", covariance.as_slice())?;
         check_pose(&<[f64; 3]>::from(pose))?;
-        self.state.walk = Walk::new(pose.into());
+        self.state.pose_sums = PoseAccumulator::new(pose.into());
         self.state.uncertainty.set(covariance);
         self.history.clear();
         Ok(())

@@ -4,13 +4,13 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::history::Snapshot;
 use super::uncertainty::Uncertainty;
-use six_wheel_kinematics::geometry::{Pose, Twist, Walk, wrap_angle};
+use six_wheel_kinematics::geometry::{Pose, PoseAccumulator, Twist, wrap_angle};
 use six_wheel_numerics::error::{Error, HUGE, finite, numbers};
 
 /// State that changes from sample to sample and is restored when a late pose comes.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
-    pub walk: Walk,
+    pub pose_sums: PoseAccumulator,
     pub twist: Twist,
     pub velocity: Option<Twist>,
     pub uncertainty: Uncertainty,
@@ -22,7 +22,7 @@ pub(crate) const OVERHEAD: usize = 32;
 impl Snapshot for State {
     #[inline]
     fn copy_from(&mut self, other: &Self) {
-        self.walk = other.walk;
+        self.pose_sums = other.pose_sums;
         self.twist = other.twist;
         self.velocity = other.velocity;
         self.uncertainty.copy_from(&other.uncertainty);
@@ -37,14 +37,14 @@ impl Snapshot for State {
 impl State {
     #[inline]
     pub fn pose(&self) -> Pose {
-        Pose { x: self.walk.x.value(), y: self.walk.y.value(), yaw: self.walk.yaw.value() }
+        Pose { x: self.pose_sums.x.value(), y: self.pose_sums.y.value(), yaw: self.pose_sums.yaw.value() }
     }
 
     /// Adds the displacement of a step in world axes.
     #[inline(always)]
     pub fn add_displacement(&mut self, shift: [f64; 2], turn: f64) {
-        self.walk.shift(shift[0], shift[1]);
-        self.walk.turn(turn);
+        self.pose_sums.shift(shift[0], shift[1]);
+        self.pose_sums.turn(turn);
     }
 
     /// Sets the mean twist over a step, and updates its first-order filter with the time constant `smoothing` [s].
@@ -66,7 +66,7 @@ impl State {
 
     /// Corrects by an absolute yaw with this deviation; the first one tells where the sensor's zero is.
     pub fn correct_yaw(&mut self, yaw: f64, deviation: f64) {
-        let (predicted, variance) = (self.walk.yaw.value(), deviation * deviation);
+        let (predicted, variance) = (self.pose_sums.yaw.value(), deviation * deviation);
         match self.uncertainty.yaw_offset {
             None => self.uncertainty.set_yaw_offset(yaw - predicted, variance),
             Some(offset) => {
@@ -79,8 +79,8 @@ impl State {
     /// Moves the pose by a correction.
     #[inline]
     pub fn shift(&mut self, by: &Vector3<f64>) {
-        self.walk.shift(by.x, by.y);
-        self.walk.turn(by.z);
+        self.pose_sums.shift(by.x, by.y);
+        self.pose_sums.turn(by.z);
     }
 }
 

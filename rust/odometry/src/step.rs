@@ -217,7 +217,7 @@ fn propagate<S: Vector>(
 ) {
     let (settings, dt) = (input.settings, input.dt);
     let half = step.displacement[2] * Lanes::splat(Scalar, 0.5);
-    let (sin, cos) = sin_cos(Scalar, Lanes::splat(Scalar, state.walk.heading.value()));
+    let (sin, cos) = sin_cos(Scalar, Lanes::splat(Scalar, state.pose_sums.heading.value()));
     let jacobian = StepJacobian::new(step.displacement, Arc::new(Scalar, half), [sin, cos]);
     let (by, lever) = (&jacobian.by_displacement, jacobian.yaw_lever());
     let uncertainty = &mut state.uncertainty;

@@ -2,13 +2,13 @@
 
 use std::f64::consts::PI;
 
-use six_wheel_kinematics::batch::poses::{Buffers, Journey};
+use six_wheel_kinematics::batch::poses::{Buffers, PoseLogs};
 use six_wheel_kinematics::geometry::{Steps, Twist};
 use six_wheel_kinematics::inverse::constants::{InverseConstants, WheelKind};
 use six_wheel_kinematics::kernels::safe_range::is_in_safe_range;
 use six_wheel_kinematics::kernels::steered::wheel::SteeredConstants;
-use six_wheel_kinematics::pose_logs::integrate::Place;
-use six_wheel_kinematics::pose_logs::logs::{Logs, Watch, side_by_side};
+use six_wheel_kinematics::pose_logs::integrate::IntegrateLogs;
+use six_wheel_kinematics::pose_logs::logs::{Logs, StepVisitor, side_by_side};
 use six_wheel_kinematics::pose_logs::tile::{LANES, PerStep, STEPS, WIDTH};
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_kinematics::rover_data::{Bank, Inputs, MAX_WHEELS};
@@ -86,35 +86,35 @@ pub fn rollout_cost<'a>(
 ) -> Result<(), Error> {
     let Workers { level, fresh, .. } = workers.here();
     bounded("previous", previous.unwrap_or_default())?;
-    let mut journey = Journey::new(controls.into(), count, steps.into(), starts)?;
+    let mut pose_logs = PoseLogs::new(controls.into(), count, steps.into(), starts)?;
     let logs = poses.len() / (count + 1);
-    let plan = journey
+    let plan = pose_logs
         .is_side_by_side()
         .then_some(&rover.inverse_constants)
         .filter(|plan| rover.cone.is_safe() && plan.wheels.iter().all(|(part, _)| is_folded(part)));
-    journey.rover = Some(rover);
-    journey.largest = if plan.is_some() { LARGEST_TOTAL } else { -1.0 };
+    pose_logs.rover = Some(rover);
+    pose_logs.largest = if plan.is_some() { LARGEST_TOTAL } else { -1.0 };
     let share = workers.share_of_logs(logs, count);
     if !fresh {
-        workers.for_each((0..logs).step_by(share), |first| journey.check(level, first..logs.min(first + share)))?;
+        workers.for_each((0..logs).step_by(share), |first| pose_logs.check(level, first..logs.min(first + share)))?;
     }
     let targets = poses.chunks_mut(share * (count + 1));
     let targets = targets.zip(costs.pieces(share)).enumerate();
     workers.for_each(targets, |(k, (poses, mut costs))| {
         let buffers = &mut Buffers::default();
-        let block = journey.block();
+        let block = pose_logs.block();
         let blocks = poses.chunks_mut(block * (count + 1));
         for (b, (poses, mut costs)) in blocks.zip(costs.pieces(block)).enumerate() {
             let first = k * share + b * block;
             let logs = first..first + poses.len() / (count + 1);
             if fresh {
-                journey.check(level, logs.clone())?;
+                pose_logs.check(level, logs.clone())?;
             }
             if let Some(plan) = plan {
                 level.run_any(RolloutCostKernel {
                     plan,
                     rover,
-                    logs: journey.logs(logs, buffers),
+                    logs: pose_logs.logs(logs, buffers),
                     previous,
                     poses,
                     costs,
@@ -122,9 +122,9 @@ pub fn rollout_cost<'a>(
                 continue;
             }
             for (j, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
-                journey.follow(level, first + j, true, poses, buffers)?;
+                pose_logs.integrate(level, first + j, true, poses, buffers)?;
                 let one = first + j..first + j + 1;
-                let logs = journey.logs(one, buffers);
+                let logs = pose_logs.logs(one, buffers);
                 costs.set(j, worst(rover, logs.twists, logs.steps, previous));
             }
         }
@@ -195,7 +195,7 @@ impl Kernel for RolloutCostKernel<'_> {
         let zero = Lanes::splat(simd, 0.0);
         let count = self.logs.count;
         let rollouts = self.poses.len() / (count + 1);
-        let place = Place { logs: self.logs, poses: self.poses, non_temporal: false };
+        let place = IntegrateLogs { logs: self.logs, poses: self.poses, non_temporal: false };
         place.run(simd);
         for first in (0..rollouts).step_by(S::F64_LANES) {
             let mut demands = WheelDemands {
@@ -247,7 +247,7 @@ struct WheelDemands<'p, S: Vector> {
     sure: Mask<S>,
 }
 
-impl<S: Vector> Watch<S> for WheelDemands<'_, S> {
+impl<S: Vector> StepVisitor<S> for WheelDemands<'_, S> {
     #[inline(always)]
     fn tile(&mut self, simd: S, twists: &[S::f64s; WIDTH], dts: &PerStep<S>) {
         let mut per_dts = *dts;

@@ -20,7 +20,7 @@ use pyo3::types::{IntoPyDict, PyDict, PyList, PyMapping, PyTuple};
 use six_wheel_kinematics::presets::{PRESETS, Preset};
 use six_wheel_kinematics::rover::Rover as Core;
 use six_wheel_kinematics::steering::SteeringRange;
-use six_wheel_kinematics::units::{self, Question};
+use six_wheel_kinematics::units::{self, UnitSuspicion};
 use six_wheel_terrain::suspension::{RockerBogie as Arm, WHEELS};
 
 use crate::arguments::ArgumentKind;
@@ -211,7 +211,7 @@ pub fn ask_settings(settings: &Bound<'_, PyDict>) -> PyResult<()> {
 }
 
 /// Implausible numbers of a dict. Values that are no numbers are skipped; the constructors refuse them.
-fn odd_settings(settings: &Bound<'_, PyDict>) -> Vec<Question> {
+fn odd_settings(settings: &Bound<'_, PyDict>) -> Vec<UnitSuspicion> {
     let numbers = settings
         .iter()
         .filter_map(|(name, value)| Some((name.extract::<String>().ok()?, value.extract::<f64>().ok()?)));
@@ -219,8 +219,8 @@ fn odd_settings(settings: &Bound<'_, PyDict>) -> Vec<Question> {
     units::settings(numbers.iter().map(|(name, value)| (name.as_str(), *value)))
 }
 
-fn listed(questions: Vec<Question>) -> Vec<(&'static str, String, String)> {
-    questions.into_iter().map(|question| (question.about, question.says, question.likely)).collect()
+fn listed(suspicions: Vec<UnitSuspicion>) -> Vec<(&'static str, String, String)> {
+    suspicions.into_iter().map(|odd| (odd.argument, odd.finding, odd.explanation)).collect()
 }
 
 impl ArgumentKind for Rover {

@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::ffi::CString;
 
 use pyo3::prelude::*;
-use six_wheel_kinematics::units::Question;
+use six_wheel_kinematics::units::UnitSuspicion;
 
 thread_local! {
     /// Calls of [`without_questions`] on this thread.
@@ -21,11 +21,12 @@ pub fn without_questions<'py>(call: &Bound<'py, PyAny>) -> PyResult<Bound<'py, P
 }
 
 /// Warns once, at the line that called this package, of all that cannot be meant, with the unit that is likely.
-pub fn warn_units(py: Python<'_>, questions: impl IntoIterator<Item = Question>) -> PyResult<()> {
+pub fn warn_units(py: Python<'_>, suspicions: impl IntoIterator<Item = UnitSuspicion>) -> PyResult<()> {
     if QUIET.get() > 0 {
         return Ok(());
     }
-    let texts: Vec<String> = questions.into_iter().map(|odd| format!("{}; {}", odd.says, odd.likely)).collect();
+    let texts: Vec<String> =
+        suspicions.into_iter().map(|odd| format!("{}; {}", odd.finding, odd.explanation)).collect();
     if texts.is_empty() {
         return Ok(());
     }

@@ -26,7 +26,7 @@ impl Fixed {
         if covariance[(3, 3)].is_infinite() && covariance[(4, 4)].is_infinite() {
             // Nothing of its tilt: it tells the yaw, whatever the tilt is.
             let (_, _, yaw) = pose.rotation.euler_angles();
-            about = Vector3::z() * wrap_angle(yaw - state.walk.heading.value());
+            about = Vector3::z() * wrap_angle(yaw - state.pose_sums.heading.value());
             by_error.set_row(5, &state.yaw_row());
         }
         let mut difference = whole(&(pose.translation - here.translation), &about);

@@ -10,7 +10,7 @@ use super::settings::Settings3;
 use super::site::{ContactSource, Place};
 use super::spread::{Errors, StepNoise, TILT, whole};
 use super::step::{displace, half_displacement, middle_angles};
-use six_wheel_kinematics::geometry::{Sum, Walk, wrap_angle};
+use six_wheel_kinematics::geometry::{PoseAccumulator, Sum, wrap_angle};
 use six_wheel_numerics::error::{Error, ErrorKind, HUGE, number, numbers};
 use six_wheel_odometry::health::{Health, Refusal};
 use six_wheel_odometry::history::Snapshot;
@@ -79,7 +79,7 @@ pub(crate) struct Fixed {
 /// State that changes from sample to sample, and that a late pose rewinds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State {
-    pub walk: Walk,
+    pub pose_sums: PoseAccumulator,
     pub z: Sum,
     pub roll: f64,
     pub pitch: f64,
@@ -134,7 +134,7 @@ impl State {
         let mut errors = Errors::none();
         errors.settled = covariance;
         Self {
-            walk: Walk::new([pose.x, pose.y, pose.yaw]),
+            pose_sums: PoseAccumulator::new([pose.x, pose.y, pose.yaw]),
             z: Sum::new(pose.z),
             roll: pose.roll,
             pitch: pose.pitch,
@@ -147,26 +147,26 @@ impl State {
 
     pub fn pose(&self) -> Pose3 {
         Pose3 {
-            x: self.walk.x.value(),
-            y: self.walk.y.value(),
+            x: self.pose_sums.x.value(),
+            y: self.pose_sums.y.value(),
             z: self.z.value(),
             roll: self.roll,
             pitch: self.pitch,
-            yaw: self.walk.yaw.value(),
+            yaw: self.pose_sums.yaw.value(),
         }
     }
 
     fn plan(&self) -> PlanPose {
-        PlanPose { x: self.walk.x.value(), y: self.walk.y.value(), yaw: self.walk.heading.value() }
+        PlanPose { x: self.pose_sums.x.value(), y: self.pose_sums.y.value(), yaw: self.pose_sums.heading.value() }
     }
 
     pub fn rotation(&self) -> UnitQuaternion<f64> {
-        UnitQuaternion::from_euler_angles(self.roll, self.pitch, self.walk.heading.value())
+        UnitQuaternion::from_euler_angles(self.roll, self.pitch, self.pose_sums.heading.value())
     }
 
     /// Derivative of the yaw by an error of the pose.
     pub fn yaw_row(&self) -> RowVector6<f64> {
-        let (sin, cos) = self.walk.heading.value().sin_cos();
+        let (sin, cos) = self.pose_sums.heading.value().sin_cos();
         let slope = self.pitch.tan();
         RowVector6::new(0.0, 0.0, 0.0, slope * cos, slope * sin, 1.0)
     }
@@ -184,16 +184,16 @@ impl State {
     /// Moves place and yaw by an error in axes of the world; tilt is measured, or follows from the map.
     pub fn shift(&mut self, by: &Vector6<f64>) {
         let turn = (self.yaw_row() * by)[0];
-        self.walk.shift(by[0], by[1]);
+        self.pose_sums.shift(by[0], by[1]);
         self.z.add(by[2]);
-        self.walk.turn(turn);
+        self.pose_sums.turn(turn);
     }
 
     /// Turns to a rotation, its yaw the short readings round.
     fn face(&mut self, rotation: &UnitQuaternion<f64>) {
         let (roll, pitch, yaw) = rotation.euler_angles();
         (self.roll, self.pitch) = (roll, pitch);
-        self.walk.turn(wrap_angle(yaw - self.walk.heading.value()));
+        self.pose_sums.turn(wrap_angle(yaw - self.pose_sums.heading.value()));
     }
 }
 
@@ -229,7 +229,7 @@ impl Fixed {
         };
         state.errors.map(&state.tilt_free_projection());
         (state.roll, state.pitch) = (attitude.roll, attitude.pitch);
-        let axes = tilting_axes(state.walk.heading.value(), state.pitch);
+        let axes = tilting_axes(state.pose_sums.heading.value(), state.pitch);
         for (k, axis) in axes.into_iter().enumerate() {
             let about = axis * self.settings.attitude_noise;
             state.errors.carried[TILT + k] += whole(&Vector3::zeros(), &about);
@@ -309,11 +309,11 @@ impl Fixed {
         state.errors.propagate(&start, &step.tangent, &step.noise);
         let moved = Motion3::exp(&step.tangent);
         let shift = start * moved.translation;
-        state.walk.shift(shift.x, shift.y);
+        state.pose_sums.shift(shift.x, shift.y);
         state.z.add(shift.z);
         match (step.yaw, after.attitude) {
             (Some(yaw), Some(attitude)) => {
-                state.walk.turn(yaw);
+                state.pose_sums.turn(yaw);
                 (state.roll, state.pitch) = (attitude.roll, attitude.pitch);
             }
             _ => {

@@ -13,43 +13,43 @@ use six_wheel_numerics::simd::vector::Vector;
 enum InfeasibilityCause {
     /// The unsteered wheels of a bank slide sideways [m/s].
     Slip { bank: usize, slip: f64 },
-    /// A wheel cannot steer to where it has to be, and slides sideways at the end of its range [rad, m/s].
+    /// A wheel slides sideways at the end of its range, the steering angle nearest to that of the twist [rad, m/s].
     Range { wheel: usize, angle: f64, slip: f64 },
 }
 
 /// One twist, in every lane.
-struct JudgeOne<'a> {
+struct OneTwist<'a> {
     cone: &'a AdmissibleCone,
     twist: [f64; 3],
     rates: &'a [f64],
 }
 
 /// Decision on one twist.
-struct Judged {
+struct Decision {
     is_possible: bool,
     is_valid: bool,
 }
 
-impl Kernel for JudgeOne<'_> {
-    type Output = Judged;
+impl Kernel for OneTwist<'_> {
+    type Output = Decision;
 
     #[inline(always)]
-    fn run<S: Vector>(self, simd: S) -> Judged {
+    fn run<S: Vector>(self, simd: S) -> Decision {
         let twist = self.twist.map(|part| Lanes::splat(simd, part));
-        let judged = self.cone.judge(simd, twist, Rates::Row(self.rates));
-        Judged { is_possible: judged.is_possible.any(), is_valid: judged.is_valid.any() }
+        let decision = self.cone.admissibility(simd, twist, Rates::Row(self.rates));
+        Decision { is_possible: decision.is_possible.any(), is_valid: decision.is_valid.any() }
     }
 }
 
-/// The first cause that keeps a rover from a twist, by the operations that decided that there is one.
-struct FindCause<'a>(JudgeOne<'a>);
+/// The first cause that keeps a rover from a twist, by the same operations as [`AdmissibleCone::admissibility`].
+struct FindCause<'a>(OneTwist<'a>);
 
 impl Kernel for FindCause<'_> {
     type Output = Option<InfeasibilityCause>;
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> Self::Output {
-        let JudgeOne { cone, twist: [vx, vy, omega], rates } = self.0;
+        let OneTwist { cone, twist: [vx, vy, omega], rates } = self.0;
         let twist = [vx + 0.0, vy, omega].map(|part| Lanes::splat(simd, part));
         let rates = Rates::Row(rates);
         let tolerance = cone.fastest(simd, twist, rates).0 * Lanes::splat(simd, SLIP_TOLERANCE);
@@ -75,22 +75,22 @@ impl Kernel for FindCause<'_> {
 }
 
 impl AdmissibleCone {
-    fn judge_one(&self, twist: Twist, rates: Option<&[f64]>) -> Judged {
-        Level::Scalar.run_any(self.one(twist, rates))
+    fn decide(&self, twist: Twist, rates: Option<&[f64]>) -> Decision {
+        Level::Scalar.run_any(self.one_twist(twist, rates))
     }
 
-    fn one<'a>(&'a self, twist: Twist, rates: Option<&'a [f64]>) -> JudgeOne<'a> {
-        JudgeOne { cone: self, twist: twist.into(), rates: rates.unwrap_or_default() }
+    fn one_twist<'a>(&'a self, twist: Twist, rates: Option<&'a [f64]>) -> OneTwist<'a> {
+        OneTwist { cone: self, twist: twist.into(), rates: rates.unwrap_or_default() }
     }
 
     /// Fails unless the rover can make the twist: finite, without side slip, inside the steering ranges.
     pub fn check(&self, rover: &RoverData, twist: Twist, steering_rates: Option<&[f64]>) -> Result<(), Error> {
-        let judged = self.judge_one(twist, steering_rates);
-        if judged.is_possible {
+        let decision = self.decide(twist, steering_rates);
+        if decision.is_possible {
             return Ok(());
         }
-        valid(twist, judged.is_valid)?;
-        match Level::Scalar.run_any(FindCause(self.one(twist, steering_rates))) {
+        valid(twist, decision.is_valid)?;
+        match Level::Scalar.run_any(FindCause(self.one_twist(twist, steering_rates))) {
             Some(cause) => Err(infeasibility_error(rover, cause, twist)),
             None => Ok(()),
         }
@@ -98,22 +98,22 @@ impl AdmissibleCone {
 
     /// Fails unless the twist and every wheel speed are finite.
     pub fn check_speeds(&self, twist: Twist) -> Result<(), Error> {
-        valid(twist, self.judge_one(twist, None).is_valid)
+        valid(twist, self.decide(twist, None).is_valid)
     }
 
     /// True if the rover can make a twist. Fails if it is not finite.
     #[inline]
     pub fn admissible(&self, twist: Twist) -> Result<bool, Error> {
-        let judged = self.judge_one(twist, None);
-        if !judged.is_valid {
+        let decision = self.decide(twist, None);
+        if !decision.is_valid {
             valid(twist, false)?;
         }
-        Ok(judged.is_possible)
+        Ok(decision.is_possible)
     }
 
-    /// The same, a twist that is not finite being impossible.
+    /// True if the rover can make a twist; false if it is not finite.
     pub(crate) fn is_possible(&self, twist: Twist) -> bool {
-        self.judge_one(twist, None).is_possible
+        self.decide(twist, None).is_possible
     }
 }
 
@@ -153,7 +153,7 @@ fn infeasibility_error(rover: &RoverData, cause: InfeasibilityCause, twist: Twis
     infeasible(rule, twist)
 }
 
-/// A failure at a motion that the rover cannot make.
+/// The failure of a motion that the rover cannot make.
 pub(crate) fn infeasible(rule: impl ToString, twist: Twist) -> Error {
     Error::value("twist", rule, numbers(&<[f64; 3]>::from(twist))).of_kind(ErrorKind::Infeasible)
 }

@@ -1,10 +1,10 @@
 //! Admissibility of twists in every lane: no side slip, and every steering angle inside its range.
 //!
-//! A steered wheel without trail whose range is narrower than half a turn is within it if its pivot moves along the middle
-//! of the range, forwards or backwards, or at an angle to that of half the range at most. With the velocity of the pivot along
-//! the middle and across it, and the half range `h`, the wheel slides at the nearer end at `|across| cos h - |along| sin h`:
-//! no angle is needed. Twists that are neither well inside the tolerance nor well outside it take the definition: the slip of
-//! every wheel at the angle that it would be steered to.
+//! A steered wheel without trail whose range is narrower than half a turn is within it if its pivot moves along the
+//! middle of the range, forwards or backwards, or at an angle to that of half the range at most. With the velocity of
+//! the pivot along the middle and across it, and the half range `h`, the wheel slides at the nearer end at `|across|
+//! cos h - |along| sin h`: no angle is needed. Twists whose slip is neither well below the tolerance nor well above it
+//! are decided by the definition: the slip of every wheel at the angle that it would be steered to.
 
 use nalgebra::Vector3;
 use pulp::Simd;
@@ -19,13 +19,14 @@ use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::{LevelKernel, run_rarely};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Side slip that passes as rounding, as a share of the fastest pivot's speed: 1 nm per metre driven.
+/// Side slip up to which a twist is admissible, as a share of the fastest pivot's speed: 1 nm per metre driven, above
+/// rounding.
 pub const SLIP_TOLERANCE: f64 = 1e-9;
 
 /// Shares of the tolerance between which the definition decides.
 const CLEAR: [f64; 2] = [0.5, 2.0];
 
-/// Share of the pivot's speed that has to be left along the wheel for the angle of a trail to be exact.
+/// Share of the pivot's speed along the wheel from which on the angle of a wheel with trail is exact to rounding.
 const MIN_ALONG: f64 = 0.75;
 
 /// The admissible twists of a rover, as numbers.
@@ -39,9 +40,9 @@ pub struct AdmissibleCone {
     contacts: Vec<[f64; 3]>,
     /// Smallest radius [m].
     min_radius: f64,
-    /// Two pivots far apart: the faster one is a lower bound of the fastest.
+    /// Two pivots far apart [m]: the speed of the faster one is a lower bound of the fastest pivot's.
     pivots: [[f64; 2]; 2],
-    /// The longest way from the body's origin to a contact, along the axes [m].
+    /// Largest distance of a contact from the body's origin, as the sum of its parts along the axes [m].
     arm: f64,
     /// True if lengths are such that squares neither overflow nor lose digits.
     is_safe: bool,
@@ -62,9 +63,9 @@ pub(crate) struct LimitedWheel {
 /// The twists for which one steered wheel is within its range.
 #[derive(Clone, Debug)]
 struct SteeringWedge {
-    /// Row of the pivot's velocity along the middle of the range.
+    /// Row that gives the pivot's velocity along the middle of the range [m/s].
     along: [f64; 3],
-    /// Row of the pivot's velocity across it.
+    /// Row that gives the pivot's velocity across it [m/s].
     across: [f64; 3],
     /// Direction of half the range.
     half: Direction,
@@ -123,14 +124,14 @@ impl AdmissibleCone {
         self.is_safe
     }
 
-    /// True if rates of the steering joints matter.
+    /// True if rates of the steering joints change the admissible twists: some wheel has scrub or trail.
     pub(crate) fn depends_on_rates(&self) -> bool {
         self.contacts.iter().any(|[.., offset]| *offset != 0.0)
     }
 
     /// Decides for each lane if the rover can make the twist.
     #[inline(always)]
-    pub(crate) fn judge<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>) -> Admissibility<S> {
+    pub(crate) fn admissibility<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>) -> Admissibility<S> {
         let mut yes = self.safe_lanes(simd, twist);
         if !(self.banks.is_empty() && self.limited.is_empty()) {
             let none = self.clear_slips(simd, twist)[0];
@@ -147,9 +148,15 @@ impl AdmissibleCone {
         self.decided(simd, twist, rates, yes, None)
     }
 
-    /// Decides for each lane if the twist is possible where only the ranges of the given joints may end short of it.
+    /// Decides for each lane if the rover can make the twist, where every condition but the ranges of the given joints
+    /// holds.
     #[inline(always)]
-    pub(crate) fn judge_joints<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], joints: &[usize]) -> Mask<S> {
+    pub(crate) fn admissibility_of_joints<S: Vector>(
+        &self,
+        simd: S,
+        twist: [Lanes<S>; 3],
+        joints: &[usize],
+    ) -> Mask<S> {
         let mut yes = self.safe_lanes(simd, twist);
         let none = self.clear_slips(simd, twist)[0];
         for wheel in self.limited.iter().filter(|wheel| joints.contains(&wheel.joint)) {
@@ -167,8 +174,8 @@ impl AdmissibleCone {
         if self.is_safe { is_in_safe_range(simd, twist) } else { Mask::splat(simd, false) }
     }
 
-    /// Yes in the lanes where that is clear, no where that is, elsewhere the decision by definition. Of the ranges, those of
-    /// the given joints alone can make a no clear.
+    /// The decision in lanes of which some are not `yes`: no where some slip is well above the tolerance, elsewhere by
+    /// definition. Of the ranges, those of the given joints alone are tested against it.
     #[inline(always)]
     fn decided<S: Vector>(
         &self,
@@ -197,7 +204,7 @@ impl AdmissibleCone {
         run_rarely(simd, ByDefinition { cone: self, twist, rates, yes, no })
     }
 
-    /// True where a twist is finite and the unsteered wheels surely do not slide.
+    /// True where a twist is finite and the unsteered wheels slide by well less than the tolerance.
     #[inline(always)]
     pub(crate) fn banks_roll<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
         let mut roll = self.safe_lanes(simd, twist);
@@ -229,8 +236,8 @@ impl AdmissibleCone {
         [least * splat(CLEAR[0] * SLIP_TOLERANCE), most * splat(CLEAR[1] * SLIP_TOLERANCE)]
     }
 
-    /// Bound of the speed of every pivot and contact, to a factor of two [m/s], and where the twist and all wheel speeds are
-    /// finite.
+    /// Upper bound of the speed of every pivot and contact, within a factor of two [m/s], and the lanes in which the
+    /// twist and all wheel speeds are finite.
     #[inline(always)]
     pub(crate) fn fastest<S: Vector>(
         &self,
@@ -247,13 +254,14 @@ impl AdmissibleCone {
         }
         let largest = splat(f64::MAX);
         let is_finite = vx.abs().le(largest) & vy.abs().le(largest) & omega.abs().le(largest);
-        // Twice: the length of a velocity against its larger component.
+        // Bound of every wheel speed, with a factor of two as a margin [rad/s].
         let speed = (fastest + fastest) / splat(self.min_radius);
         (fastest, is_finite & speed.le(largest))
     }
 }
 
-/// Decision by the slip of every wheel at the angle that it would be steered to, in the lanes where neither yes nor no is clear.
+/// Decision by the slip of every wheel at the angle that it would be steered to, in the lanes that are neither `yes`
+/// nor `no`.
 struct ByDefinition<'a, S: Simd> {
     cone: &'a AdmissibleCone,
     twist: [Lanes<S>; 3],
@@ -269,7 +277,8 @@ impl<S: Vector> LevelKernel<S> for ByDefinition<'_, S> {
     fn run_at_level(self, simd: S) -> Admissibility<S> {
         let Self { cone, twist: [vx, vy, omega], rates, yes, no } = self;
         let zero = Lanes::splat(simd, 0.0);
-        // Slips and speeds grow with the twist, where no joint turns: those of tiny ones keep their digits.
+        // Slips and speeds are in proportion to the twist, where no joint turns: tiny twists are scaled to keep their
+        // digits.
         let is_tiny = (vx.abs() + vy.abs() + omega.abs()).lt(Lanes::splat(simd, MIN_SQUARABLE));
         let is_tiny = is_tiny & rates.largest(simd).le(zero);
         let scale = is_tiny.select(Lanes::splat(simd, SCALE[0]), Lanes::splat(simd, 1.0));
@@ -289,8 +298,8 @@ impl<S: Vector> LevelKernel<S> for ByDefinition<'_, S> {
 
 #[inline_always]
 impl LimitedWheel {
-    /// Steering angle [rad] and side slip [m/s] at the angle that the wheel would be steered to from angle 0: no slip inside the
-    /// range without trail.
+    /// The angle that the wheel would be steered to from angle 0 [rad], and the side slip there [m/s]; 0 inside the
+    /// range of a wheel without trail.
     pub fn slip<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>) -> [Lanes<S>; 2] {
         let wheel = self.constants.broadcast(simd);
         let rounding = Lanes::splat(simd, f64::INFINITY);
@@ -320,8 +329,8 @@ impl LimitedWheel {
         }
     }
 
-    /// Lanes in which some angle of the range of a wheel with trail leaves nothing to slide: the slip at its two ends has
-    /// different signs, or is next to nothing at one of them.
+    /// Lanes in which a wheel with trail has an angle without side slip in its range: the slips at the two ends have
+    /// different signs, or one is far below the tolerance.
     fn has_solution_in_range<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3], rates: Rates<'_>) -> Mask<S> {
         let splat = |number| Lanes::splat(simd, number);
         let wheel = self.constants.broadcast(simd);
@@ -355,7 +364,7 @@ impl Rates<'_> {
         }
     }
 
-    /// The largest of them, either way round; 0 of none.
+    /// The largest absolute rate; 0 without any.
     #[inline(always)]
     fn largest<S: Vector>(self, simd: S) -> Lanes<S> {
         let mut largest = Lanes::splat(simd, 0.0);

@@ -1,9 +1,9 @@
 //! The faces of the admissible set: constants of a rover, made once.
 //!
-//! The admissible twists are a union of cones. The point of it nearest to a wanted twist lies inside one of its faces,
-//! and is there the orthogonal projection onto the subspace in which the planes that meet in that face intersect. That
-//! projection is linear in the wanted twist, also where some of its components are to be kept: so every face is a
-//! matrix, and a projection is a few products and a comparison.
+//! The admissible twists are a union of cones. Their point nearest to a desired twist lies inside one of the faces, and
+//! is the orthogonal projection onto the intersection of the planes that meet in that face. The projection is linear in
+//! the desired twist, also where some of its components are kept: every face is a matrix, and a projection is a few
+//! products and a comparison.
 //!
 //! Distances are by the rover's metric, the mean square change of the pivots' velocities [m²/s²].
 
@@ -14,38 +14,39 @@ use crate::admissible::cone::AdmissibleCone;
 use crate::rover_data::RoverData;
 use six_wheel_numerics::jacobi::Jacobi;
 
-/// Share of a twist's size below which a component of its projection is rounding.
+/// A component of a projection below this share of the twist's size is rounding, and set to 0.
 pub(crate) const VANISHED: f64 = 1e-14;
 
-/// Squared sine of the angle below which two conditions are one.
+/// Two planes are the same if the squared sine of the angle between them is below this.
 const INDEPENDENT: f64 = 1e-12;
 
-/// Largest difference of the matrices of two faces that are one [share of a twist].
+/// Two faces are the same if no entries of their matrices differ by more than this [share of a twist].
 const SAME: f64 = 1e-13;
 
-/// Share of a matrix below which what is left of it is rounding.
+/// A singular value of a residual matrix below this is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Share of a wanted twist by which kept components may miss a face that does not leave them free.
+/// Error of the kept components, as a share of the desired twist, up to which a point of a face that restricts them
+/// counts.
 pub(crate) const AGREED: f64 = 1e-9;
 
 /// A face, under the components of the twist that are kept.
 #[derive(Clone, Debug)]
 pub struct Face {
-    /// The nearest point is the sum of the directions, each times the product of its row with the wanted twist. The
-    /// directions span the subspace, so that the point is in it to rounding of its own size.
+    /// Pairs of a direction and a row: the nearest point is `sum direction (row . desired twist)`. The directions span
+    /// the subspace, so that the error of the point's distance from it is rounding of the point's own size.
     pub span: Vec<[[f64; 3]; 2]>,
-    /// The distance squared is the sum of the squares of the products of these rows with the wanted twist.
-    pub miss: Vec<[f64; 3]>,
-    /// Joints whose ranges the point need not be in. None left: all of it is admissible.
-    pub open: Vec<usize>,
-    /// True if the planes themselves restrict the kept components, so that the two may contradict each other.
-    pub bound: bool,
+    /// The squared distance is `sum (row . desired twist)^2` over these rows [m²/s²].
+    pub distance_rows: Vec<[f64; 3]>,
+    /// Joints whose ranges the nearest point may be outside of. Empty: every point of the face is admissible.
+    pub unchecked_joints: Vec<usize>,
+    /// True if the planes restrict the kept components, so that the face may have no point with the desired ones.
+    pub restricts_kept: bool,
 }
 
 impl Face {
-    fn is(&self, other: &Self) -> bool {
-        self.bound == other.bound
+    fn equals(&self, other: &Self) -> bool {
+        self.restricts_kept == other.restricts_kept
             && self.span.len() == other.span.len()
             && (self.matrix() - other.matrix()).amax() <= SAME
     }
@@ -56,11 +57,11 @@ impl Face {
     }
 }
 
-/// The faces that a projection has to look at, for each way of keeping something.
+/// The faces among which a projection finds the nearest point, for each value of [`Keep`].
 #[derive(Clone, Debug)]
 pub struct Faces {
     kept: [Vec<Face>; 4],
-    /// Lᵀ of the metric L Lᵀ: the largest component of its product with a twist is the size that rounding is a share of.
+    /// `Lᵀ` of the metric `L Lᵀ`: the largest component of its product with a twist is the size of the twist [m/s].
     pub size: [[f64; 3]; 3],
 }
 
@@ -84,7 +85,7 @@ impl Faces {
         }
     }
 
-    /// In the order in which the first of equally near ones counts.
+    /// The faces for a value of [`Keep`]; of equally near ones the first counts.
     #[inline]
     pub fn of(&self, keep: Keep) -> &[Face] {
         &self.kept[keep as usize]
@@ -98,19 +99,19 @@ fn faces(rover: &RoverData, cone: &AdmissibleCone, size: &Matrix3<f64>, keep: Ke
     let Some(to_twist) = size.try_inverse() else {
         return Vec::new();
     };
-    let maker = Maker { rover, cone, size, to_twist, kept: components(keep) };
+    let builder = FaceBuilder { rover, cone, size, to_twist, kept: components(keep) };
     let mut found: Vec<Face> = Vec::new();
     let mut planes = banks;
     let mut add = |planes: &[Vector3<f64>]| {
-        let Some((face, is_point)) = maker.face(planes) else {
+        let Some((face, is_point)) = builder.face(planes) else {
             return true;
         };
-        if maker.may_count(&face) && !found.iter().any(|other| other.is(&face)) {
+        if builder.is_candidate(&face) && !found.iter().any(|other| other.equals(&face)) {
             found.push(face);
         }
         is_point
     };
-    // The kept components and the planes leave one point: the same point, or none, on every face of that one.
+    // Where planes and kept components determine one point, every face of that face has the same point or none.
     if add(&planes) {
         return found;
     }
@@ -128,21 +129,26 @@ fn faces(rover: &RoverData, cone: &AdmissibleCone, size: &Matrix3<f64>, keep: Ke
     found
 }
 
-struct Maker<'a> {
+/// Input of the construction of faces. Unknowns are scaled: `Lᵀ twist`, in which the rover's metric is plain length.
+struct FaceBuilder<'a> {
     rover: &'a RoverData,
     cone: &'a AdmissibleCone,
+    /// `Lᵀ`, from a twist to the scaled unknowns.
     size: &'a Matrix3<f64>,
+    /// The inverse of `size`.
     to_twist: Matrix3<f64>,
+    /// Indices of the components of the twist that are kept.
     kept: &'static [usize],
 }
 
-impl Maker<'_> {
-    /// A condition for unknowns in which distance is plain length, of length one.
+impl FaceBuilder<'_> {
+    /// The normal of a plane for the scaled unknowns, of length one.
     fn scaled(&self, row: &Vector3<f64>) -> Vector3<f64> {
         (self.to_twist.transpose() * row).normalize()
     }
 
-    /// The face in which planes meet, and whether it is but a point under what is kept. Nothing where only zero is left.
+    /// The face in which planes meet, and true if it has one point with the kept components. None if the planes meet in
+    /// the zero twist alone.
     fn face(&self, planes: &[Vector3<f64>]) -> Option<(Face, bool)> {
         let rows: Vec<_> = planes.iter().map(|row| self.scaled(row)).collect();
         let normal: Matrix3<f64> = rows.iter().map(|row| row * row.transpose()).sum();
@@ -150,8 +156,8 @@ impl Maker<'_> {
         if directions.is_empty() {
             return None;
         }
-        // With the directions N and the kept components K, the nearest point N c to y has K N c = K y, and c is as near
-        // to Nᵀ y as that lets it be: c = B⁺ K y + (1 - B⁺ B) Nᵀ y, where B = K N.
+        // With the directions N and the kept components K, the point N c nearest to y has K N c = K y, and c is the one
+        // of these nearest to Nᵀ y: c = B⁺ K y + (1 - B⁺ B) Nᵀ y, where B = K N.
         let mut kept = Matrix3::zeros();
         let mut basis = Matrix3::zeros();
         for (k, &component) in self.kept.iter().enumerate() {
@@ -160,11 +166,11 @@ impl Maker<'_> {
         for (k, direction) in directions.iter().enumerate() {
             basis.set_column(k, direction);
         }
-        let seen = Jacobi::new(&(kept * basis));
+        let kept_of_basis = Jacobi::new(&(kept * basis));
         let bound = INDEPENDENT.sqrt();
-        let (inverse, rank) = (seen.inverse(bound), seen.rank(bound));
+        let (inverse, rank) = (kept_of_basis.inverse(bound), kept_of_basis.rank(bound));
         let free = if rank == directions.len() {
-            Matrix3::zeros() // and not what rounding makes of it: kept zeros stay zero
+            Matrix3::zeros() // without rounding errors: kept zeros stay zero
         } else {
             (Matrix3::identity() - inverse * kept * basis) * basis.transpose()
         };
@@ -178,27 +184,28 @@ impl Maker<'_> {
             let twist = self.without_rounding(self.to_twist * direction);
             [twist.into(), rows.row(k).transpose().into()]
         };
-        let missed = Jacobi::new(&(Matrix3::identity() - basis * (inverse * kept + free)));
-        let miss = (0..missed.rank(ROUNDING))
-            .map(|k| (self.size.transpose() * missed.turn.column(k) * missed.values[k]).into())
+        let residual = Jacobi::new(&(Matrix3::identity() - basis * (inverse * kept + free)));
+        let distance_rows = (0..residual.rank(ROUNDING))
+            .map(|k| (self.size.transpose() * residual.turn.column(k) * residual.values[k]).into())
             .collect();
         let face = Face {
             span: directions.iter().enumerate().map(part).collect(),
-            miss,
-            open: Vec::new(),
-            bound: rank < self.kept.len(),
+            distance_rows,
+            unchecked_joints: Vec::new(),
+            restricts_kept: rank < self.kept.len(),
         };
-        Some((self.opened(face), rank == directions.len()))
+        Some((self.with_unchecked_joints(face), rank == directions.len()))
     }
 
-    /// Orthonormal directions in which no scaled condition changes.
+    /// Orthonormal directions, of scaled unknowns, that lie in all planes with these normals of this rank.
     fn basis(&self, rows: &[Vector3<f64>], rank: usize) -> Vec<Vector3<f64>> {
         match rank {
             0 => (0..3).map(unit).collect(),
             1 => {
                 let row = rows[0];
                 let twist = self.to_twist.transpose().try_inverse().map_or(row, |back| back * row);
-                // Twists that are zero but for two components: what does not couple stays apart.
+                // Twists of which two components are not 0, so that components without a common condition are not
+                // mixed.
                 let pivot = twist.iamax();
                 let mut basis: Vec<Vector3<f64>> = Vec::new();
                 for k in (0..3).filter(|k| *k != pivot) {
@@ -221,7 +228,7 @@ impl Maker<'_> {
         }
     }
 
-    /// A component that vanishes beside the others is zero.
+    /// The twist with 0 in place of components that are rounding beside the largest one.
     fn without_rounding(&self, twist: Vector3<f64>) -> Vector3<f64> {
         let lengths = Vector3::new(1.0, 1.0, self.rover.size);
         let largest = twist.component_mul(&lengths).amax();
@@ -229,7 +236,7 @@ impl Maker<'_> {
     }
 
     /// True if a plane contains all of a face, to rounding.
-    fn holds(&self, row: &Vector3<f64>, face: &Face) -> bool {
+    fn contains(&self, row: &Vector3<f64>, face: &Face) -> bool {
         let scaled = self.scaled(row);
         face.span.iter().all(|[direction, _]| {
             let along = scaled.dot(&(self.size * Vector3::from(*direction)));
@@ -237,26 +244,26 @@ impl Maker<'_> {
         })
     }
 
-    /// With the joints that have to be looked at: those of a limited range that is not at an end all over the face.
-    fn opened(&self, mut face: Face) -> Face {
+    /// The face with its unchecked joints: those of a limited range that are not at an end of it on the whole face.
+    fn with_unchecked_joints(&self, mut face: Face) -> Face {
         if face.span.len() < 2 {
             return face;
         }
         let planes = self.rover.limit_planes();
-        let open = planes.iter().filter(|(_, rows)| !rows.iter().any(|row| self.holds(row, &face)));
-        face.open = open.map(|(joint, _)| *joint).collect();
+        let unchecked = planes.iter().filter(|(_, rows)| !rows.iter().any(|row| self.contains(row, &face)));
+        face.unchecked_joints = unchecked.map(|(joint, _)| *joint).collect();
         face
     }
 
-    /// True if the nearest point of a face can be admissible without being there already.
-    fn may_count(&self, face: &Face) -> bool {
+    /// True if the nearest point of a face may be admissible and another one than the desired twist.
+    fn is_candidate(&self, face: &Face) -> bool {
         match face.span.as_slice() {
             [[direction, _]] => self.cone.is_possible(Vector3::from(*direction).into()),
-            // The whole space is the wanted twist itself, which has been tried; and unsteered wheels that are not quite
-            // parallel have no plane in common.
+            // The point of the whole space is the desired twist itself, which is not admissible; and the planes of
+            // unsteered wheels that are not quite parallel do not coincide.
             parts => {
                 let mut banks = self.rover.banks.iter();
-                parts.len() < 3 && banks.all(|bank| self.holds(&bank.row, face))
+                parts.len() < 3 && banks.all(|bank| self.contains(&bank.row, face))
             }
         }
     }

@@ -10,13 +10,13 @@ use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Decides for each twist if it is possible. Fails at the first one that is not finite.
-pub(crate) struct JudgeRange<'a> {
+pub(crate) struct AdmissibleRange<'a> {
     pub cone: &'a AdmissibleCone,
     pub twists: &'a [[f64; 3]],
     pub answers: &'a mut [bool],
 }
 
-impl Kernel for JudgeRange<'_> {
+impl Kernel for AdmissibleRange<'_> {
     type Output = Result<(), Error>;
 
     #[inline(always)]
@@ -29,9 +29,9 @@ impl Kernel for JudgeRange<'_> {
             transpose_to_columns(simd, rows.as_flattened(), &mut twists);
             let mut are_valid = Mask::splat(simd, true);
             for k in 0..rows.len().div_ceil(S::F64_LANES) {
-                let judged = self.cone.judge(simd, load(simd, &twists, k), Rates::Row(&[]));
-                are_valid = are_valid & judged.is_valid;
-                yes.store(k, judged.is_possible.select(one, zero));
+                let admissibility = self.cone.admissibility(simd, load(simd, &twists, k), Rates::Row(&[]));
+                are_valid = are_valid & admissibility.is_valid;
+                yes.store(k, admissibility.is_possible.select(one, zero));
             }
             for (answer, yes) in answers.iter_mut().zip(yes.0) {
                 *answer = yes != 0.0;

@@ -10,7 +10,7 @@ use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::sizes::sum_of_sizes;
 use six_wheel_numerics::threads::workers::Workers;
 
-/// A map of every row: of one row of numbers, or of two where it takes two, and how long it lasts [s].
+/// A map of every row of `first`, or of every pair of rows of `first` and `second`, with the duration of its step [s].
 #[inline]
 pub fn map(
     map: Map,

@@ -3,23 +3,23 @@
 //! From an array to a register and back, for one batch:
 //!
 //! 1. A **call** (one file a kind, here) has rows of numbers as the caller keeps them (a [`Table`]), and [`Workers`]: a level and
-//!    a number of threads. It cuts the rows into shares, one per thread (`threads/workers.rs` in `six_wheel_numerics`), and those into blocks
-//!    that stay in the caches.
-//! 2. It has the constants of the rover: the numbers that a formula needs of it.
+//! a number of threads. It cuts the rows into shares for the threads (`threads/workers.rs` in `six_wheel_numerics`),
+//! and those into blocks that stay in the caches.
+//! 2. It takes the constants of the rover: the numbers that a formula needs of it.
 //! 3. [`Level::run_any`] enters a function that is compiled once per set of instructions, with a token `S`
-//!    that proves the processor has them. Everything below it is `#[inline(always)]`.
-//! 4. A **formula** ([`crate::kernels`], one file a job) takes 64 rows at a time apart (`columns.rs`): row after row in
-//!    memory becomes one column per number, so that a register holds the same number of 4 or 8 successive rows.
+//! that proves the processor has them. Everything below it is `#[inline(always)]`. 4. A **kernel** ([`crate::kernels`],
+//! one file per quantity) splits 64 rows at a time into columns (`columns.rs`), one column per number of a row, so that
+//! a register holds the same number of 4 or 8 successive rows.
 //! 5. It computes with `Lanes`, a register with the operators of a number (`simd/lanes.rs`), and functions of
 //!    `simd/polynomials.rs`. There are no branches on a lane: a `Mask` selects, and a part of a formula that no lane of a
 //!    register needs is left out where that changes no bit. So every level gives the same bits.
-//! 6. The columns of the results are woven together into rows and stored, past the caches if they would not stay there
-//!    anyway (`stream.rs`).
+//! 6. The columns of the results are transposed to rows and stored, past the caches if the output is larger than these
+//!    (`stream.rs`).
 //! 7. Rows without all readings, with huge ones, or without a clear solution are solved each on its own, with their own
 //!    equations (`kernels/fit_row.rs`).
 //!
-//! **One row** goes the same way, but its lanes are the wheels, so nothing has to be woven: the constants are loaded from one
-//! array per number instead of being the same in every lane.
+//! **One row** takes the same steps, but its lanes are the wheels, so nothing is transposed: the constants are loaded
+//! from one array per number instead of being the same in every lane.
 
 mod maps;
 pub mod poses;
@@ -29,7 +29,7 @@ mod singly;
 mod twists;
 
 pub use crate::kernels::fit::Fits;
-pub use crate::table::{Beside, Durations, Log, Readings, Source, Table};
+pub use crate::table::{Durations, InputTables, Log, Readings, Source, Table};
 pub use maps::{Map, differentiate, map};
 pub use poses::integrate;
 pub use rows::{forward, inverse};
@@ -40,6 +40,6 @@ pub use six_wheel_numerics::simd::level::Level;
 pub use six_wheel_numerics::threads::workers::Workers;
 pub use twists::{admissible, project};
 
-/// Rows that are read, or checked and written, at a time where that is not done for all rows at once: their
-/// numbers stay in the second-level cache.
+/// Rows at a time of arguments that have to be read, and of outputs that may be left half written: their numbers stay
+/// in the second-level cache.
 pub(crate) const BLOCK_ROWS: usize = 2048;

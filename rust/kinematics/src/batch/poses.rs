@@ -1,13 +1,13 @@
-//! Poses along logs: checked, shared out, and handed to the kernels block by block.
+//! Poses along logs: rows are checked, divided between threads and passed to the kernels block by block.
 
 use std::ops::Range;
 
 use super::BLOCK_ROWS;
 use crate::geometry::{Steps, Twist};
-use crate::pose_logs::integrate::{LARGEST_TOTAL, follow, place};
+use crate::pose_logs::integrate::{LARGEST_TOTAL, integrate_logs, integrate_steps};
 use crate::pose_logs::logs::Logs;
 use crate::rover::Rover;
-use crate::se2::accumulate::{Bound, Walk};
+use crate::se2::accumulate::{Bound, PoseAccumulator};
 use crate::table::{Durations, Table};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::Level;
@@ -18,12 +18,12 @@ use six_wheel_numerics::threads::workers::Workers;
 /// Logs up to this long are checked and read several at a time.
 const SHORT_LOG: usize = 1024;
 
-/// Logs worked on together: as many as the widest register has lanes.
+/// Logs in the lanes of a register: as many as the widest register has.
 const GROUP: usize = 8;
 
 /// Logs of `count` steps each, and their starts: one for every log, or one for all.
 #[derive(Clone, Copy)]
-pub struct Journey<'a> {
+pub struct PoseLogs<'a> {
     /// Twists, row after row.
     pub twists: Table<'a>,
     /// Steps of a log.
@@ -34,9 +34,9 @@ pub struct Journey<'a> {
     pub starts: &'a [[f64; 3]],
     /// The longest step [s].
     pub longest: f64,
-    /// Sizes up to here need no second look.
+    /// Bound of the sum of all magnitudes of a log up to which its poses are finite.
     pub largest: f64,
-    /// Rover whose wheel speeds have to be finite too.
+    /// Rover whose wheel speeds have to be finite too, if any.
     pub rover: Option<&'a Rover>,
     /// True if poses of a log on its own are written past the caches.
     pub non_temporal: bool,
@@ -51,8 +51,8 @@ pub struct Buffers {
     pub steps: Vec<f64>,
 }
 
-impl<'a> Journey<'a> {
-    /// Fails where a duration is not one.
+impl<'a> PoseLogs<'a> {
+    /// Fails where a duration is negative or not finite, or their number is not `count`.
     #[inline]
     pub fn new(twists: Table<'a>, count: usize, steps: Durations<'a>, starts: &'a [[f64; 3]]) -> Result<Self, Error> {
         Ok(Self {
@@ -74,14 +74,14 @@ impl<'a> Journey<'a> {
         self.starts[if one { 0 } else { log }]
     }
 
-    /// True if logs are worked on side by side. It depends on the length of a log alone, so that no result depends on the
-    /// others.
+    /// True if several logs are computed together, one in every lane. It depends on the length of a log alone, so that
+    /// no result depends on the other logs.
     #[inline]
     pub fn is_side_by_side(&self) -> bool {
         self.count <= SHORT_LOG
     }
 
-    /// So many logs are read at a time.
+    /// Number of logs that are read at a time.
     #[inline]
     pub fn block(&self) -> usize {
         (BLOCK_ROWS / self.count.max(1)).next_multiple_of(GROUP).max(GROUP)
@@ -117,12 +117,12 @@ impl<'a> Journey<'a> {
         }
     }
 
-    /// Share of the first pose in the bound of all others.
+    /// Sum of the magnitudes of the first pose: its share of the bound of all others.
     fn size_of_start(&self, log: usize) -> f64 {
         self.start(log).iter().map(|value| value.abs()).sum()
     }
 
-    /// True if sizes of twists surely lead to finite poses. False for NaN.
+    /// True if a start and twists with these sums of magnitudes lead to finite poses. False for NaN.
     fn is_small(&self, start: f64, sizes: f64) -> bool {
         start + sizes * self.longest * 2.0 <= self.largest
     }
@@ -157,7 +157,7 @@ impl<'a> Journey<'a> {
                     break;
                 }
             }
-            // A log without steps has a start.
+            // The start of a log without steps.
             if !bound.holds(level, &[]) {
                 self.check_steps(log, buffers)?;
             }
@@ -181,9 +181,9 @@ impl<'a> Journey<'a> {
         Ok(())
     }
 
-    /// The poses of one log, block by block, checked first unless that has been done.
+    /// The poses of one log, block by block, checked first unless `checked`.
     #[inline]
-    pub fn follow(
+    pub fn integrate(
         &self,
         level: Level,
         log: usize,
@@ -201,38 +201,38 @@ impl<'a> Journey<'a> {
             self.check_steps(log, buffers)?;
             checked = true;
         }
-        let mut walk = Walk::new(start);
+        let mut pose = PoseAccumulator::new(start);
         for (k, poses) in poses.chunks_mut(BLOCK_ROWS).enumerate() {
             let (twists, steps) = self.piece(log, k * BLOCK_ROWS, buffers);
             if checked || bound.holds(level, twists) {
-                follow(level, twists, steps, poses, self.non_temporal, &mut walk);
+                integrate_steps(level, twists, steps, poses, self.non_temporal, &mut pose);
                 continue;
             }
             self.check_steps(log, buffers)?;
             checked = true;
             let (twists, steps) = self.piece(log, k * BLOCK_ROWS, buffers);
-            follow(level, twists, steps, poses, self.non_temporal, &mut walk);
+            integrate_steps(level, twists, steps, poses, self.non_temporal, &mut pose);
         }
         Ok(())
     }
 }
 
-/// The quick form of [`Bound`]: a sum of sizes.
+/// A sufficient form of [`Bound`]: the sum of all magnitudes times the longest step.
 struct LogBound<'j, 'a> {
-    journey: &'j Journey<'a>,
+    pose_logs: &'j PoseLogs<'a>,
     start: f64,
     sizes: f64,
 }
 
 impl<'j, 'a> LogBound<'j, 'a> {
-    fn new(journey: &'j Journey<'a>, log: usize) -> Self {
-        Self { journey, start: journey.size_of_start(log), sizes: 0.0 }
+    fn new(pose_logs: &'j PoseLogs<'a>, log: usize) -> Self {
+        Self { pose_logs, start: pose_logs.size_of_start(log), sizes: 0.0 }
     }
 
-    /// True if all poses up to the end of these twists are surely finite.
+    /// True if all poses up to the end of these twists are finite by this bound.
     fn holds(&mut self, level: Level, twists: &[[f64; 3]]) -> bool {
         self.sizes += sum_of_sizes(level, twists.as_flattened());
-        self.journey.is_small(self.start, self.sizes)
+        self.pose_logs.is_small(self.start, self.sizes)
     }
 }
 
@@ -249,15 +249,15 @@ pub fn integrate<'a>(
     workers: Workers,
 ) -> Result<(), Error> {
     let Workers { level, fresh, .. } = workers.here();
-    let journey = Journey {
+    let pose_logs = PoseLogs {
         non_temporal: is_large(poses.as_flattened().len()),
-        ..Journey::new(twists.into(), count, steps.into(), starts)?
+        ..PoseLogs::new(twists.into(), count, steps.into(), starts)?
     };
     let logs = poses.len() / (count + 1);
     let share = workers.share_of_logs(logs, count);
     if !fresh {
         let shares = (0..logs).step_by(share);
-        workers.for_each(shares, |first| journey.check(level, first..logs.min(first + share)))?;
+        workers.for_each(shares, |first| pose_logs.check(level, first..logs.min(first + share)))?;
     }
     let targets = poses.chunks_mut(share * (count + 1)).enumerate();
     workers.for_each(targets, |(k, poses)| {
@@ -265,18 +265,18 @@ pub fn integrate<'a>(
         let first = k * share;
         if count > SHORT_LOG {
             for (k, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
-                journey.follow(level, first + k, !fresh, poses, buffers)?;
+                pose_logs.integrate(level, first + k, !fresh, poses, buffers)?;
             }
             return Ok(());
         }
-        let block = journey.block();
+        let block = pose_logs.block();
         for (k, poses) in poses.chunks_mut(block * (count + 1)).enumerate() {
             let first = first + k * block;
             let logs = first..first + poses.len() / (count + 1);
             if fresh {
-                journey.check(level, logs.clone())?;
+                pose_logs.check(level, logs.clone())?;
             }
-            place(level, journey.logs(logs, buffers), poses, journey.non_temporal);
+            integrate_logs(level, pose_logs.logs(logs, buffers), poses, pose_logs.non_temporal);
         }
         Ok(())
     })

@@ -1,4 +1,5 @@
-//! Inverse and forward kinematics of many rows: checked, shared out, and handed to the kernels block by block.
+//! Inverse and forward kinematics of many rows: rows are checked, divided between threads and passed to the kernels
+//! block by block.
 
 use std::ops::Range;
 
@@ -8,22 +9,22 @@ use crate::geometry::Twist;
 use crate::inverse::rows;
 use crate::rover::Rover;
 use crate::rover_data::Inputs;
-use crate::table::{Beside, Log, Readings, Table};
+use crate::table::{InputTables, Log, Readings, Table};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::stream::is_large;
 use six_wheel_numerics::threads::workers::Workers;
 
-/// Rows from which a batch is worth setting up a kernel for.
+/// Rows from which on the kernel of many rows takes less time than as many calls of the kernel of one row.
 pub(crate) const FEW: usize = 8;
 
-/// The rows in blocks of this size.
+/// Splits rows into blocks of this size.
 fn blocks(rows: Range<usize>, size: usize) -> impl Iterator<Item = Range<usize>> {
     let end = rows.end;
     rows.step_by(size).map(move |first| first..end.min(first + size))
 }
 
-/// Rows at a time out of a share: all, unless they have to be read.
+/// Rows of a block: all of a share, unless a table has to be read.
 fn block_of<const N: usize>(share: usize, tables: [Option<Table<'_>>; N]) -> usize {
     if tables.into_iter().flatten().any(Table::is_read) {
         return share.min(BLOCK_ROWS);
@@ -31,12 +32,12 @@ fn block_of<const N: usize>(share: usize, tables: [Option<Table<'_>>; N]) -> usi
     share
 }
 
-/// Twists with what goes with them.
+/// Twists with their optional inputs.
 struct Commands<'a> {
     rover: &'a Rover,
     level: Level,
     twists: Table<'a>,
-    beside: Beside<'a>,
+    tables: InputTables<'a>,
     /// True if the outputs are written past the caches.
     non_temporal: bool,
 }
@@ -52,7 +53,7 @@ impl<'a> Commands<'a> {
     {
         let (joints, wheels) = (self.rover.steered().len(), self.rover.wheels().len());
         let twists = self.twists.rows(rows.clone(), 3, twists);
-        let Beside { previous: held, previous_speeds, steering_rates } = self.beside;
+        let InputTables { previous: held, previous_speeds, steering_rates } = self.tables;
         let inputs = Inputs {
             previous: held.map(|table| table.rows(rows.clone(), joints, previous)),
             previous_speeds: previous_speeds.map(|table| table.rows(rows.clone(), wheels, speeds)),
@@ -85,19 +86,19 @@ impl<'a> Commands<'a> {
 pub fn inverse<'a>(
     rover: &'a Rover,
     twists: impl Into<Table<'a>>,
-    inputs: impl Into<Beside<'a>>,
+    inputs: impl Into<InputTables<'a>>,
     steering: &mut [f64],
     speeds: &mut [f64],
     workers: Workers,
 ) -> Result<(), Error> {
     let Workers { level, fresh, .. } = workers.here();
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
-    let (count, beside) = (speeds.len() / wheels, inputs.into());
+    let (count, tables) = (speeds.len() / wheels, inputs.into());
     let commands =
-        Commands { rover, level, twists: twists.into(), beside, non_temporal: is_large(steering.len() + speeds.len()) };
+        Commands { rover, level, twists: twists.into(), tables, non_temporal: is_large(steering.len() + speeds.len()) };
     let share = workers.share(count);
-    let (twists, beside) = (Some(commands.twists), commands.beside);
-    let block = block_of(share, [twists, beside.previous, beside.previous_speeds, beside.steering_rates]);
+    let (twists, tables) = (Some(commands.twists), commands.tables);
+    let block = block_of(share, [twists, tables.previous, tables.previous_speeds, tables.steering_rates]);
     if !fresh {
         workers.for_each((0..count).step_by(share), |first| {
             let buffers = &mut Default::default();
@@ -109,7 +110,7 @@ pub fn inverse<'a>(
         })?;
     }
     let block = if fresh { block.min(BLOCK_ROWS) } else { block };
-    // A rover without steered wheels has no columns to cut.
+    // Chunks of size 1 for a rover without steered wheels, whose steering has no elements.
     let mut steering = steering.chunks_mut((share * joints).max(1));
     let targets = speeds.chunks_mut(share * wheels).map(|speeds| (steering.next().unwrap_or_default(), speeds));
     workers.for_each(targets.enumerate(), |(k, (steering, speeds))| {
@@ -128,7 +129,7 @@ pub fn inverse<'a>(
     })
 }
 
-/// Readings and how they are understood.
+/// Readings, and the treatment of motion that they do not determine.
 struct Reports<'a> {
     rover: &'a Rover,
     level: Level,

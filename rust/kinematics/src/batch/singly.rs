@@ -9,7 +9,7 @@ use crate::table::Log;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::threads::workers::Workers;
 
-/// A value for every row, each on its own.
+/// Computes a value for every row, one row at a time.
 pub fn fill<const N: usize>(
     targets: &mut [[f64; N]],
     workers: Workers,
@@ -68,7 +68,7 @@ pub fn sensitivity(
                 Quantity::Steering | Quantity::SteeringRate => rover.steered(),
                 _ => &all,
             };
-            // A rover without steered wheels has no columns to cut.
+            // Chunks of size 1 for a rover without steered wheels.
             let size = (share * 3 * wheels.len()).max(1);
             (*quantity, wheels, target.chunks_mut(size))
         })

@@ -1,7 +1,7 @@
 //! Admissible twists, and the nearest ones to any others.
 
 use crate::admissible::Keep;
-use crate::admissible::rows::{JudgeRange, ProjectRange};
+use crate::admissible::rows::{AdmissibleRange, ProjectRange};
 use crate::geometry::Twist;
 use crate::kernels::safe_range::MAX_SQUARABLE;
 use crate::rover::Rover;
@@ -15,8 +15,8 @@ pub fn admissible(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool], work
     let share = workers.share(twists.len());
     let jobs = twists.chunks(share).zip(answers.chunks_mut(share));
     workers.for_each(jobs.enumerate(), |(k, (twists, answers))| {
-        let judged = JudgeRange { cone: &rover.cone, twists, answers };
-        workers.here().level.run_any(judged).map_err(|error| error.below(k * share))
+        let admissibility = AdmissibleRange { cone: &rover.cone, twists, answers };
+        workers.here().level.run_any(admissibility).map_err(|error| error.below(k * share))
     })
 }
 
@@ -44,7 +44,7 @@ pub fn project(
 /// Fails at the first twist that cannot be projected.
 fn check(rover: &Rover, twists: &[[f64; 3]], keep: Keep, workers: Workers) -> Result<(), Error> {
     if matches!(keep, Keep::Curvature | Keep::Nearest) {
-        // To stand still is always possible.
+        // The zero twist is always possible.
         let numbers = twists.as_flattened();
         if rover.cone.is_safe() && sum_of_sizes(workers.level, numbers) <= MAX_SQUARABLE {
             return Ok(());
@@ -62,7 +62,7 @@ fn check(rover: &Rover, twists: &[[f64; 3]], keep: Keep, workers: Workers) -> Re
     Ok(())
 }
 
-/// Rows that are tried at a time.
+/// Rows that are projected at a time by the check.
 const ROWS: usize = 512;
 
 fn project_rows(

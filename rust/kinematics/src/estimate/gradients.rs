@@ -1,25 +1,27 @@
-//! The derivatives of the twist as sums of products, with constants of the rover: what registers of rows are multiplied by.
+//! Derivatives of the twist as sums of products with constants of the rover, by which registers of rows are multiplied.
 //!
-//! By any quantity of a wheel, the gradient of the normal equations is a sum of products of `1, cos, sin` of where the
-//! wheel points and `1, vx, vy, omega, speed, rate`. [`Linearised`] is asked for their constants once, where all but one of
-//! these are 0; so the rules of wheels, rollers and shared rows are written there alone.
+//! The gradient of the normal equations with respect to any quantity of a wheel is a sum of products of `1, cos, sin`
+//! of the wheel's direction and `1, vx, vy, omega, speed, rate`. Their constants are evaluated once by
+//! [`LinearisedFit`], with all but one of these numbers 0; so the rules of wheels, rollers and shared rows are written
+//! there alone.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::sensitivity::{Linearised, Quantity};
+use super::sensitivity::{LinearisedFit, Quantity};
 use super::{Measured, Reading};
 use crate::geometry::Direction;
 use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
 
-/// `1, vx, vy, omega, speed, rate`, and how often: times 1, cosine and sine of the direction.
+/// Numbers `1, vx, vy, omega, speed, rate`, and products: each of them times 1, cosine and sine of the direction.
 pub(crate) const GIVEN: usize = 6;
 pub(crate) const PRODUCTS: usize = 3 * GIVEN;
 
-/// A sum of products, by their places.
+/// A sum of products: their indices and factors.
 pub(crate) type Sum = Vec<(usize, f64)>;
 
-/// The derivatives by a quantity of every wheel: of the twist where the solution of the normal equations is a constant of
-/// the rover, or else their gradients about the centre of the pivots. First for steering that rests.
+/// Derivatives with respect to a quantity of every wheel: of the twist where the solution of the normal equations is a
+/// constant of the rover, otherwise the gradients of these about the centre of the pivots. First without, then with
+/// steering rates.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Gradients([Vec<[Sum; 3]>; 2]);
 
@@ -43,7 +45,7 @@ impl Gradients {
         all
     }
 
-    /// Those of a wheel, of steering that rests or is `turning`.
+    /// The sums of a wheel, with steering rates if `turning`.
     #[inline]
     pub fn of(&self, wheel: usize, turning: bool) -> &[Sum; 3] {
         &self.0[usize::from(turning)][wheel]
@@ -67,20 +69,21 @@ fn products(
     quantity: Quantity,
 ) -> [Vector3<f64>; PRODUCTS] {
     let mut products = [Vector3::zeros(); PRODUCTS];
-    let ask = |sin, cos| {
+    let gradients = |sin, cos| {
         let mut all = [Vector3::zeros(); GIVEN];
         for given in 0..GIVEN {
-            // Without anything given, or what that one adds.
+            // The gradient of the constant 1; of another number what it adds to that.
             let direction = Direction { sin, cos };
             all[given] = gradient(rover, *readings, i, quantity, direction, given) - all[0];
         }
         all
     };
     if !matches!(rover.mounts[i], Mount::Steered(..)) {
-        products[..GIVEN].copy_from_slice(&ask(0.0, 1.0));
+        products[..GIVEN].copy_from_slice(&gradients(0.0, 1.0));
         return products;
     }
-    let ([along, back], [left, right]) = ([ask(0.0, 1.0), ask(0.0, -1.0)], [ask(1.0, 0.0), ask(-1.0, 0.0)]);
+    let [along, back] = [gradients(0.0, 1.0), gradients(0.0, -1.0)];
+    let [left, right] = [gradients(1.0, 0.0), gradients(-1.0, 0.0)];
     for given in 0..GIVEN {
         products[given] = (along[given] + back[given]) / 2.0;
         products[GIVEN + given] = (along[given] - back[given]) / 2.0;
@@ -89,7 +92,7 @@ fn products(
     products
 }
 
-/// Gradient with wheel `i` in this direction, if this one number is 1 and all others are 0.
+/// Gradient with wheel `i` in this direction, with number `given` (and the constant) 1 and all others 0.
 fn gradient(
     rover: &RoverData,
     mut readings: [Reading; MAX_WHEELS],
@@ -110,7 +113,7 @@ fn gradient(
         reading.slipped = wheel.trail * one(5);
     }
     let (count, joints) = (rover.wheels().len(), rover.steered().len());
-    let linearised = Linearised {
+    let linearised = LinearisedFit {
         rover,
         readings: &readings[..count],
         measured: Measured { steering: &[], speeds: &speeds[..count], steering_rates: Some(&rates[..joints]) },
@@ -120,6 +123,6 @@ fn gradient(
     };
     match rover.solution {
         Some(_) => linearised.derivative(i, quantity),
-        None => rover.shifted(&linearised.gradient(i, quantity)),
+        None => rover.row_about_centre(&linearised.gradient(i, quantity)),
     }
 }

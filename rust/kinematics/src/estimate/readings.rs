@@ -1,4 +1,4 @@
-//! Readings of the wheels, and the ways in which they are fitted.
+//! Readings of the wheels, and the methods by which they are fitted.
 
 use nalgebra::Vector3;
 
@@ -11,7 +11,7 @@ pub enum Method {
     LeastSquares,
     /// The unsteered wheels alone.
     MiddleWheels,
-    /// Iteratively re-weighted: a wheel that disagrees with the others loses its say.
+    /// Iteratively reweighted least squares: the weight of a wheel falls with its residual.
     Robust,
 }
 
@@ -19,13 +19,13 @@ named_values! {
     Method as "method": "least_squares" => LeastSquares, "middle_wheels" => MiddleWheels, "robust" => Robust
 }
 
-/// Treatment of a motion that no reading sees.
+/// Treatment of a motion that no reading determines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Unseen {
     /// It is an error.
     #[default]
     Refuse,
-    /// It is taken to be zero, about the middle of the wheels.
+    /// It is zero, about the centre of the pivots.
     Zero,
 }
 

@@ -6,9 +6,9 @@
 //! dt = (Aᵀ W A)⁻¹ [dAᵀ W r + Aᵀ W (db - dA t)]
 //! ```
 //!
-//! for whatever moves the rows `A` or the readings `b`; the weights `W` are held. One quantity of one wheel moves
-//! that wheel's two rows only, apart from unsteered wheels with about parallel axles: they share the mean of their
-//! side-slip rows, to which each contributes its part, which depends on their headings.
+//! for every quantity that changes the rows `A` or the readings `b`; the weights `W` are constant. One quantity of one
+//! wheel changes that wheel's two rows only, except for unsteered wheels with nearly parallel axles: they share a
+//! weighted mean of their side-slip rows, whose weights depend on their headings.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -18,7 +18,7 @@ use crate::geometry::Twist;
 use crate::rover_data::{Mount, RoverData};
 use crate::wheels::{Pivot, Wheel};
 
-/// Something of one wheel on which the twist depends.
+/// A quantity of one wheel on which the twist depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Reading of its speed [rad/s].
@@ -48,7 +48,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All there are, in their order.
+    /// All quantities in their order.
     pub const ALL: [Self; 12] = [
         Self::Speed,
         Self::Steering,
@@ -65,17 +65,17 @@ impl Quantity {
     ];
 }
 
-/// Change of a wheel's rows and right-hand sides per unit of a quantity.
+/// RowDerivative of a wheel's rows and right-hand sides per unit of a quantity.
 #[derive(Clone, Copy, Default)]
-struct Change {
+struct RowDerivative {
     rolling: Vector3<f64>,
     side_slip: Vector3<f64>,
     rolled: f64,
     slipped: f64,
 }
 
-impl Change {
-    /// Of a wheel that rolls in `direction`, before rollers mix its rows.
+impl RowDerivative {
+    /// The change of a wheel that rolls in `direction`, before rollers combine its rows.
     fn of(wheel: &Wheel, Direction { sin, cos }: Direction, quantity: Quantity) -> Self {
         let lever = Vector3::new(0.0, 0.0, 1.0);
         let mut change = Self::default();
@@ -110,7 +110,7 @@ impl Change {
 
 /// The twist of one instant with all that its derivatives need.
 #[derive(Debug)]
-pub struct Linearised<'a> {
+pub struct LinearisedFit<'a> {
     /// The rover.
     pub rover: &'a RoverData,
     /// Rows of its wheels.
@@ -121,11 +121,11 @@ pub struct Linearised<'a> {
     pub solution: Matrix3<f64>,
     /// The twist that fits them.
     pub twist: Vector3<f64>,
-    /// Say of each wheel.
+    /// Weight of each wheel; None: all 1.
     pub weights: Option<&'a [f64]>,
 }
 
-impl Linearised<'_> {
+impl LinearisedFit<'_> {
     /// The twist.
     #[inline]
     pub fn twist(&self) -> Twist {
@@ -146,8 +146,8 @@ impl Linearised<'_> {
 
     /// Maps a gradient of the normal equations to a twist.
     fn solve(&self, gradient: Vector3<f64>) -> Vector3<f64> {
-        let centred = self.solution * self.rover.shifted(&gradient);
-        self.rover.unshifted(&centred)
+        let centred = self.solution * self.rover.row_about_centre(&gradient);
+        self.rover.twist_at_origin(&centred)
     }
 
     fn weight(&self, wheel: usize) -> f64 {
@@ -167,7 +167,8 @@ impl Linearised<'_> {
         };
         match (quantity, wheel.steering()) {
             (Quantity::Steering, None) => return Vector3::zeros(),
-            // Both rows turn together and AᵀA stays: what is left of the sum below is that of Aᵀ db.
+            // Both rows rotate and AᵀA is constant: the sum below reduces to `dAᵀ b`, the rolling row's change is the
+            // side-slip row.
             (Quantity::Steering, Some(_)) if wheel.is_centred() && read => {
                 return reading.side_slip * (reading.rolled * self.weight(i));
             }
@@ -177,7 +178,7 @@ impl Linearised<'_> {
             Mount::Steered(..) => Direction { sin: -reading.side_slip.x, cos: reading.side_slip.y },
             Mount::Fixed(_) | Mount::Castor(_) => Direction::from(wheel.heading),
         };
-        let mut change = Change::of(wheel, direction, quantity);
+        let mut change = RowDerivative::of(wheel, direction, quantity);
         match quantity {
             Quantity::Radius if read => change.rolled = self.measured.speeds[i],
             Quantity::Scrub => change.rolled = rate(),
@@ -199,12 +200,12 @@ impl Linearised<'_> {
             change.rolling = Vector3::zeros();
             change.rolled = 0.0;
         }
-        let along = respond(&self.twist, &reading.rolling, reading.rolled, &change.rolling, change.rolled);
-        along * self.weight(i) + self.across(i, &change, quantity)
+        let rolling = respond(&self.twist, &reading.rolling, reading.rolled, &change.rolling, change.rolled);
+        rolling * self.weight(i) + self.side_slip_gradient(i, &change, quantity)
     }
 
-    /// The part of the side-slip rows. Unsteered wheels with about parallel axles have a share in each other's.
-    fn across(&self, i: usize, change: &Change, quantity: Quantity) -> Vector3<f64> {
+    /// The part of the side-slip rows. Unsteered wheels with nearly parallel axles have a share in each other's.
+    fn side_slip_gradient(&self, i: usize, change: &RowDerivative, quantity: Quantity) -> Vector3<f64> {
         let respond = |k: usize, by: &Vector3<f64>, slipped: f64| {
             let reading = &self.readings[k];
             let response = respond(&self.twist, &reading.side_slip, reading.slipped, by, slipped);

@@ -26,16 +26,16 @@ pub enum WheelKind {
 pub struct InverseConstants {
     /// Every wheel with one over its radius.
     pub wheels: Vec<(WheelKind, f64)>,
-    /// Number of its steering joints.
+    /// Number of steering joints.
     pub joints: usize,
-    /// Level of one row.
+    /// Level at which one row is solved.
     pub(crate) level: Level,
-    /// Bound of the rounding of pivot velocities, twice over, as a share of `|vx| + |vy|` and in metres of `|omega|`; infinite
-    /// where lengths are so extreme that squares may overflow or lose digits.
+    /// Twice the bound of the rounding error of pivot velocities: factors of `|vx| + |vy|` [1] and of `|omega|` [m];
+    /// infinite if lengths are so extreme that squares may overflow or lose digits.
     pub(crate) rounding: [f64; 2],
-    /// The wheels in lanes.
+    /// The wheels in the lanes of registers, eight per group.
     pub(crate) groups: Vec<WheelGroup>,
-    /// Wheels by lane.
+    /// Index of the wheel of every lane.
     pub(crate) order: Vec<usize>,
 }
 
@@ -70,9 +70,10 @@ impl InverseConstants {
 
 /// Eight wheels, one in each lane.
 ///
-/// There are no branches by the kind of wheel; every lane goes through the same operations with numbers that make the
-/// foreign ones harmless. A lane that is not steered has its pivot at 0 and a whole turn without ends; its speed is its constant
-/// row times the twist. A steered lane has a row of zeros. A lane without a wheel has both, and its results are not copied out.
+/// There are no branches on the kind of wheel: every lane takes the operations of all kinds, with neutral numbers for
+/// those of the other kinds. A lane that is not steered has its pivot at 0 and a range of a whole turn; its speed is
+/// its constant row times the twist. A steered lane has a row of zeros. A lane without a wheel has both, and its
+/// results are not copied out.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WheelGroup {
     /// Number of steered wheels among them.
@@ -119,7 +120,7 @@ impl WheelGroup {
         group
     }
 
-    /// Puts a steered wheel into a lane.
+    /// Writes the constants of a steered wheel to a lane.
     fn fill(&mut self, lane: usize, wheel: &SteeredConstants) {
         self.steered += 1;
         self.is_steered[lane] = 1.0;
@@ -143,7 +144,7 @@ impl WheelGroup {
         features.has_trail |= wheel.trail != 0.0;
     }
 
-    /// Constants of register `k` of the wheels.
+    /// Constants of the wheels of register `k`.
     #[inline(always)]
     pub fn load<S: Simd>(&self, simd: S, k: usize) -> SteeredWheel<S> {
         let load = |numbers: &Eight| Lanes::load(simd, S::as_simd_f64s(numbers).0, k);

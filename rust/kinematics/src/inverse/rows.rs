@@ -35,7 +35,7 @@ struct CheckRange<'a> {
     twists: &'a [[f64; 3]],
     inputs: Inputs<'a>,
     first: usize,
-    /// One per rate, where they matter.
+    /// One per steering joint if rates are given and matter, otherwise none.
     rates: &'a mut [Column],
 }
 
@@ -64,17 +64,18 @@ impl Kernel for CheckRange<'_> {
                 let groups = rows.as_flattened().chunks_exact(3 * S::F64_LANES);
                 for (k, rows) in groups.enumerate() {
                     let rates = Rates::Columns(self.rates, k);
-                    passes = passes & self.cone.judge(simd, Lanes::deinterleave3(simd, rows), rates).is_possible;
+                    passes =
+                        passes & self.cone.admissibility(simd, Lanes::deinterleave3(simd, rows), rates).is_possible;
                 }
             } else {
                 transpose_to_columns(simd, rows.as_flattened(), &mut columns);
                 for k in 0..rows.len().div_ceil(S::F64_LANES) {
                     let rates = Rates::Columns(self.rates, k);
-                    passes = passes & self.cone.judge(simd, load(simd, &columns, k), rates).is_possible;
+                    passes = passes & self.cone.admissibility(simd, load(simd, &columns, k), rates).is_possible;
                 }
             }
             if (!passes).any() {
-                // The first one is named.
+                // Row by row, for the error of the first one that fails.
                 for (k, twist) in rows.iter().enumerate() {
                     let inputs = self.inputs.row(self.rover, first + k);
                     let checked = inputs
@@ -89,7 +90,7 @@ impl Kernel for CheckRange<'_> {
 }
 
 impl InverseConstants {
-    /// Solves rows that have been checked; writes past the caches if `past`, for outputs larger than they are.
+    /// Solves rows that have been checked; writes past the caches if `non_temporal`.
     pub(crate) fn solve_rows(
         &self,
         level: Level,
@@ -122,7 +123,7 @@ struct SolveRange<'a> {
 /// Rows of a block, column by column. Arguments that are not given are empty.
 struct InputColumns<'a> {
     twists: [Column; 3],
-    /// Bound of the rounding of pivot velocities, twice over [m/s].
+    /// Twice the bound of the rounding error of pivot velocities [m/s].
     rounding: Column,
     previous: &'a mut [Column],
     previous_speeds: &'a mut [Column],
@@ -172,7 +173,7 @@ impl Kernel for SolveRange<'_> {
 
 #[inline_always]
 impl InputColumns<'_> {
-    /// Bounds of rounding; no forward speed is minus zero.
+    /// Computes the bounds of rounding, and replaces forward speeds of minus zero by zero.
     fn prepare<S: Vector>(&mut self, simd: S, constants: &InverseConstants, registers: usize) {
         let [share, arm] = constants.rounding.map(|number| Lanes::splat(simd, number));
         let [min, max] = [MIN_SQUARABLE, MAX_SQUARABLE].map(|size| Lanes::splat(simd, size));
@@ -187,12 +188,12 @@ impl InputColumns<'_> {
         }
     }
 
-    /// Present angles and rates of a joint.
+    /// Present angles [rad] and rates [rad/s] of a joint, if given.
     fn joint(&self, joint: usize) -> [Option<&Column>; 2] {
         [self.previous.get(joint), self.rates.get(joint)]
     }
 
-    /// Input of a steered wheel.
+    /// Input of a steered wheel in register `k`.
     fn query<S: Vector>(&self, simd: S, [previous, rate]: [Option<&Column>; 2], k: usize) -> WheelQuery<S> {
         WheelQuery {
             twist: load(simd, &self.twists, k),
@@ -203,7 +204,7 @@ impl InputColumns<'_> {
     }
 }
 
-/// A block that is solved wheel after wheel.
+/// A block of rows, solved wheel after wheel.
 struct SolveBlock<'a, 'b> {
     constants: &'a InverseConstants,
     input: &'a InputColumns<'b>,
@@ -251,7 +252,8 @@ impl SolveBlock<'_, '_> {
         are_final.all()
     }
 
-    /// Solves the steered wheels whose first solution is not their motion; `common` where a direction tie has a common direction.
+    /// Solves the steered wheels whose first solution is not final, with the common direction of direction ties, if
+    /// known. Calls `in_tie` with every wheel's tie and index.
     fn both_solutions<S: Vector>(
         &mut self,
         simd: S,
@@ -277,7 +279,8 @@ impl SolveBlock<'_, '_> {
     }
 }
 
-/// Both solutions of the steered wheels, register after register, and of direction ties once more with their common direction.
+/// Both solutions of the steered wheels, register by register; registers with direction ties once more with the common
+/// direction.
 impl Kernel for SolveBlock<'_, '_> {
     type Output = ();
 
@@ -286,7 +289,7 @@ impl Kernel for SolveBlock<'_, '_> {
         let input = self.input;
         for k in 0..self.registers {
             let mut common = None;
-            // The second time with the common direction, where there is one.
+            // The second pass has the common direction, if there is one.
             for _ in 0..2 {
                 let mut votes = DirectionVotes::none(simd);
                 let mut has_ties = false;
@@ -306,7 +309,7 @@ impl Kernel for SolveBlock<'_, '_> {
     }
 }
 
-/// The rows of a block out of those of a batch.
+/// The rows of a block from those of a batch.
 fn block(values: Option<&[f64]>, width: usize, first: usize, count: usize) -> &[f64] {
     values.map_or(&[], |values| &values[first * width..(first + count) * width])
 }

@@ -15,8 +15,8 @@ use six_wheel_numerics::simd::vector::Vector;
 const MAX_GROUPS: usize = MAX_WHEELS / GROUP;
 
 impl InverseConstants {
-    /// Steering angles and wheel speeds of one twist. With the admissible twists, nothing is written and the answer is false
-    /// unless every input is finite and no wheel slides by more than half of what passes as none.
+    /// Writes steering angles [rad] and wheel speeds [rad/s] of one twist. With `cone`, returns false and writes
+    /// nothing unless every input is finite and no wheel slides by more than half of the tolerance.
     #[inline]
     pub(crate) fn solve_row(
         &self,
@@ -31,7 +31,7 @@ impl InverseConstants {
         level.run_any(InverseRow { constants: self, twist, inputs, targets, cone })
     }
 
-    /// Bound of the rounding of pivot velocities, twice over [m/s].
+    /// Twice the bound of the rounding error of pivot velocities [m/s].
     fn rounding(&self, [vx, vy, omega]: [f64; 3]) -> f64 {
         let size = vx.abs() + vy.abs() + omega.abs();
         if (MIN_SQUARABLE..=MAX_SQUARABLE).contains(&size) {
@@ -43,15 +43,15 @@ impl InverseConstants {
     }
 }
 
-/// One row as if every wheel took its first solution. If one may not, if there are castors or more wheels than a group
-/// holds, [`RowOfBothSolutions`] solves it.
+/// One row in which every steered wheel takes its first solution. If that of one is not final, if there are castors or
+/// more than eight wheels, [`RowOfBothSolutions`] solves the row.
 struct InverseRow<'a> {
     constants: &'a InverseConstants,
     twist: [f64; 3],
     inputs: Inputs<'a>,
     /// Steering angles and wheel speeds.
     targets: [&'a mut [f64]; 2],
-    /// The admissible twists, if these have to be kept to.
+    /// The admissible twists, if the twist is to be checked.
     cone: Option<&'a AdmissibleCone>,
 }
 
@@ -115,7 +115,7 @@ impl InverseRow<'_> {
         WheelInput { query: WheelQuery { twist, rounding, previous, rate }, is_finite }
     }
 
-    /// True if the unsteered wheels roll, or need not, and the present speeds are finite.
+    /// True if the twist need not be checked, or the unsteered wheels roll and the present speeds are finite.
     fn is_admissible<S: Vector>(&self, simd: S, twist: [Lanes<S>; 3]) -> bool {
         let Some(cone) = self.cone else {
             return true;
@@ -124,7 +124,7 @@ impl InverseRow<'_> {
         cone.banks_roll(simd, twist).any() && speeds.iter().all(|speed| speed.is_finite())
     }
 
-    /// Writes angles and speeds, which come by lane.
+    /// Writes angles [rad] and speeds [rad/s] of the lanes to the arrays of the wheels.
     fn write(&mut self, angles: &[f64], rotations: &[f64]) {
         let [steering, speeds] = &mut self.targets;
         for (target, angle) in steering.iter_mut().zip(angles) {
@@ -138,14 +138,15 @@ impl InverseRow<'_> {
     }
 }
 
-/// One row with both solutions of the wheels that may not take their first one.
+/// One row with both solutions of the wheels whose first one is not final.
 struct RowOfBothSolutions<'a>(InverseRow<'a>);
 
-/// Angles and speeds by lane, and the direction ties of the steered wheels.
+/// Angles [rad] and speeds [rad/s] by lane, and the direction ties of the steered wheels.
 struct WheelResults {
     angles: [Eight; MAX_GROUPS],
     speeds: [Eight; MAX_GROUPS],
-    /// 1 for a wheel of a tie, 1 for one that rolls backwards on its own, lead.
+    /// By lane: 1 for a wheel of a tie, 1 for a wheel whose own solution is backwards, and [`DirectionTie::lead`]
+    /// [rad].
     ties: [[Eight; MAX_GROUPS]; 3],
     has_ties: bool,
 }
@@ -179,8 +180,8 @@ impl Kernel for RowOfBothSolutions<'_> {
 
 #[inline_always]
 impl RowOfBothSolutions<'_> {
-    /// Solves all wheels. Returns true if the present angles and the rates are finite, and every steered wheel reaches its
-    /// angle.
+    /// Solves all wheels. Returns true if the present angles and the rates are finite and the range of every steered
+    /// wheel holds its angle.
     fn all_wheels<S: Vector>(&self, simd: S, results: &mut WheelResults, common: CommonDirection<S>) -> bool {
         let row = &self.0;
         let splat = |number| Lanes::splat(simd, number);
@@ -228,7 +229,8 @@ impl RowOfBothSolutions<'_> {
         is_safe.all()
     }
 
-    /// The common direction of the wheels of a tie, wheel after wheel: rounding is that of a row of a batch.
+    /// The common direction of the wheels of a tie, summed wheel by wheel, so that rounding is that of a row of a
+    /// batch.
     fn common_direction<S: Vector>(&self, simd: S, results: &WheelResults) -> [Mask<S>; 2] {
         let splat = |number| Lanes::splat(simd, number);
         let [marks, backwards, leads] = results.ties.each_ref().map(|ties| ties.as_flattened());

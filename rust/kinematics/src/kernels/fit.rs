@@ -25,7 +25,7 @@ pub(crate) struct FitConstants {
     unseen: Unseen,
     /// None where the equations depend on the readings, or sizes are extreme.
     block: Option<BlockConstants>,
-    /// Without them, least squares have the twist of the forward kinematics, to the bit.
+    /// Where `block` is None, least squares take the twist of the forward kinematics, to the bit.
     forward: Option<ForwardConstants>,
 }
 
@@ -34,7 +34,7 @@ pub(crate) struct FitConstants {
 struct BlockConstants {
     forward: ForwardConstants,
     robust: Option<RobustConstants>,
-    /// 1 or 0, to begin with.
+    /// Initial weights of the wheels, 1 or 0.
     weights: Vec<f64>,
     rank: usize,
     sigma_min: f64,
@@ -50,7 +50,7 @@ pub struct Fits<'a> {
     pub sigmas: &'a mut [f64],
     /// Residuals [m/s].
     pub residual: &'a mut [f64],
-    /// Say of each wheel.
+    /// Weight of each wheel, 0 to 1.
     pub weights: &'a mut [f64],
 }
 
@@ -89,7 +89,7 @@ impl FitConstants {
         let Some(constants) = &self.block else {
             return (0..fits.twists.len()).try_for_each(|k| self.solve_row(rover, log, k, fits));
         };
-        let input = FitInput { of: self, constants, rover };
+        let input = FitInput { fit: self, constants, rover };
         let (joints, wheels) = (rover.steered().len(), constants.weights.len());
         with_columns(joints + 4 * wheels, |columns| {
             if constants.robust.is_none() {
@@ -115,22 +115,24 @@ impl FitConstants {
     }
 }
 
-/// Constants with the rover, and with the fit of rare rows.
+/// Constants of whole registers and of rare rows, and the rover.
 #[derive(Clone, Copy)]
 struct FitInput<'a> {
-    of: &'a FitConstants,
+    fit: &'a FitConstants,
     constants: &'a BlockConstants,
     rover: &'a RoverData,
 }
 
-/// Fits that are not robust have a kernel of their own: beside the rounds of robust ones theirs took 14 % more instructions.
+/// Kernel of fits. Those that are not robust are compiled on their own: in one kernel with the rounds of robust ones
+/// they took 14 % more instructions.
 struct Solve<'a, 'b, const ROBUST: bool> {
     input: FitInput<'a>,
     log: Log<'a>,
     fits: &'a mut Fits<'b>,
-    /// One per steering angle; per wheel one for its speed and then its residual, one for its weight, two for what it reads.
+    /// One per steering angle; per wheel one for its speed and then its residual, one for its weight, two for its
+    /// readings along its rows.
     columns: &'a mut [Column],
-    /// Per wheel one for its weight and two for what it reads, of robust fits that take long.
+    /// Per wheel one for its weight and two for its readings, for rows of robust fits that need many rounds.
     late: &'a mut [Column],
 }
 
@@ -139,7 +141,7 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> Self::Output {
-        let FitInput { of, constants, rover } = self.input;
+        let FitInput { fit, constants, rover } = self.input;
         let (joints, wheels) = (rover.steered().len(), constants.weights.len());
         let (readings, rest) = self.columns.split_at_mut(joints + wheels);
         let (weights, kept) = rest.split_at_mut(wheels);
@@ -164,11 +166,11 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
             if !all_within(simd, log.steering_rates.unwrap_or_default(), LARGEST_SPEED) {
                 (none_rare, kept.rare) = (false, Column([1.0; BLOCK]));
             }
-            // No longer needed: room for the residuals.
+            // The speeds are no longer needed: their columns take the residuals.
             let residuals = &mut readings[joints..];
             if let Some(robust) = constants.robust.as_ref().filter(|_| ROBUST) {
                 now.begin(simd, robust, count);
-                now.go_on(simd, robust, &EARLY);
+                now.iterate(simd, robust, &EARLY);
                 if late.block.left + now.left > BLOCK {
                     late.settle(simd, self.input, self.log, self.fits, residuals)?;
                 }
@@ -186,12 +188,12 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
             self.fits.ranks[at.clone()].fill(constants.rank as i64);
             self.fits.sigmas[at].copy_from_slice(&sigmas.0[..count]);
             let mut rare = (0..count).filter(|k| !none_rare && now.kept.rare.0[*k] != 0.0);
-            done = rare.try_for_each(|k| of.solve_row(rover, self.log, first + k, self.fits));
+            done = rare.try_for_each(|k| fit.solve_row(rover, self.log, first + k, self.fits));
             if done.is_err() {
                 break;
             }
         }
-        // A row before the one that failed may fail only now.
+        // A row before the one that failed may fail here, and its error counts.
         if ROBUST {
             late.settle(simd, self.input, self.log, self.fits, &mut readings[joints..])?;
         }
@@ -199,7 +201,7 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
     }
 }
 
-/// Rows of robust fits that take long, of many blocks.
+/// Rows of many blocks whose robust fits need many rounds.
 struct SlowRows<'a> {
     block: Block<'a>,
     /// Their indices among all rows.
@@ -207,12 +209,12 @@ struct SlowRows<'a> {
 }
 
 impl SlowRows<'_> {
-    /// Settles them and writes the results.
+    /// Iterates the rows until they have converged and writes the results.
     #[inline(always)]
     fn settle<S: Vector>(
         &mut self,
         simd: S,
-        FitInput { of, constants, rover }: FitInput<'_>,
+        FitInput { fit, constants, rover }: FitInput<'_>,
         log: Log<'_>,
         fits: &mut Fits<'_>,
         residuals: &mut [Column],
@@ -223,13 +225,13 @@ impl SlowRows<'_> {
             return Ok(());
         };
         let (mut twists, mut sigmas) = ([Column::ZERO; 3], Column::ZERO);
-        block.go_on(simd, robust, &LATE);
+        block.iterate(simd, robust, &LATE);
         block.finish(simd, robust, count, &mut sigmas);
         block.left = 0;
         constants.results::<S, true>(simd, count, &block.kept, &mut twists, residuals);
         for (k, row) in self.rows.into_iter().enumerate().take(count) {
             if block.kept.rare.0[k] != 0.0 {
-                of.solve_row(rover, log, row, fits)?;
+                fit.solve_row(rover, log, row, fits)?;
                 continue;
             }
             fits.twists[row] = [0, 1, 2].map(|part: usize| twists[part].0[k]);
@@ -259,7 +261,7 @@ impl BlockConstants {
         for k in 0..count.min(BLOCK).div_ceil(S::F64_LANES) {
             let unknowns = load(simd, &kept.unknowns, k);
             if ROBUST {
-                let parts = self.forward.unshifted(unknowns);
+                let parts = self.forward.twist_at_origin(unknowns);
                 for (column, part) in twists.iter_mut().zip(parts) {
                     column.store(k, part);
                 }

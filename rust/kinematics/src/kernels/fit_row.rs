@@ -41,8 +41,8 @@ impl RoverData {
         Ok(Fit { twist, rank, sigma_min })
     }
 
-    /// The twist of these rows of the wheels by any method, and the weights it gives the wheels; residuals [m/s], as many as are
-    /// wanted.
+    /// The twist of these rows of the wheels by any method; writes the weights of the wheels, and their residuals [m/s]
+    /// as far as the slice goes.
     pub fn estimate(
         &self,
         readings: &[Reading],
@@ -62,16 +62,16 @@ impl RoverData {
     }
 }
 
-/// One row.
+/// Fit of one row.
 struct RowFit<'a> {
     rover: &'a RoverData,
     /// Rows of the wheels.
     readings: &'a [Reading],
     /// Inverse of the normal equations with the weights.
     solution: &'a Matrix3<f64>,
-    /// Weight of each wheel, which robust fits begin with and replace.
+    /// Weight of each wheel; robust fits replace it.
     weights: &'a mut [f64],
-    /// Residuals [m/s], as many as are wanted.
+    /// Output of the residuals [m/s]; may be empty.
     residual: &'a mut [f64],
     /// Speeds of the wheels [rad/s] and the treatment of undetermined motion, if the fit is robust.
     robust: Option<(&'a [f64], Unseen)>,
@@ -99,7 +99,7 @@ impl Kernel for RowFit<'_> {
         };
         let mut right = [zero; 3];
         for (i, (reading, weight)) in self.readings.iter().zip(&*self.weights).enumerate() {
-            let rows = [reading.rolling, reading.side_slip].map(|row| self.rover.shifted(&row).into());
+            let rows = [reading.rolling, reading.side_slip].map(|row| self.rover.row_about_centre(&row).into());
             equations.rows[i] = RowPair(rows);
             equations.readings[i] = [splat(reading.rolled * scale), splat(reading.slipped * scale)];
             let moment = equations.rows[i].moment(simd, equations.readings[i]);
@@ -112,8 +112,8 @@ impl Kernel for RowFit<'_> {
             let least = least_noise(self.rover, speeds, scale);
             let (start, weights) = ((unknowns, splat(least * least)), &mut *self.weights);
             unknowns = match equations.count <= MOST {
-                true => equations.reweigh::<MOST>(simd, (self.rover, unseen), start, weights)?,
-                false => equations.reweigh::<MAX_WHEELS>(simd, (self.rover, unseen), start, weights)?,
+                true => equations.solve_robust::<MOST>(simd, (self.rover, unseen), start, weights)?,
+                false => equations.solve_robust::<MAX_WHEELS>(simd, (self.rover, unseen), start, weights)?,
             };
         }
         for (i, residual) in self.residual.iter_mut().enumerate() {
@@ -121,14 +121,15 @@ impl Kernel for RowFit<'_> {
             *residual = first(square.sqrt()) / scale;
         }
         let [x, y, z] = unknowns;
-        Ok((self.rover.unshifted(&Vector3::new(first(x), first(y), first(z))) / scale).into())
+        Ok((self.rover.twist_at_origin(&Vector3::new(first(x), first(y), first(z))) / scale).into())
     }
 }
 
 impl<S: Vector> Equations<S> {
-    /// Weights by the residuals, from the unknowns and the square of the least noise on.
+    /// Iteratively reweighted least squares, from initial unknowns and the square of the least noise [m²/s²]. Writes
+    /// the weights and returns the unknowns.
     #[inline(always)]
-    fn reweigh<const WHEELS: usize>(
+    fn solve_robust<const WHEELS: usize>(
         &self,
         simd: S,
         (rover, unseen): (&RoverData, Unseen),
@@ -146,7 +147,7 @@ impl<S: Vector> Equations<S> {
         let mut rounds = start;
         rounds.iterate(simd, wheels, &mut ByMinors);
         if (!rounds.sure).any() {
-            // A round without a clear solution: all of them by factors of their normal equations.
+            // A round had no solution by minors: all rounds again by factors of their normal equations.
             rounds = start;
             let mut solver = ByFactors { rover, unseen, error: None };
             rounds.iterate(simd, wheels, &mut solver);
@@ -161,7 +162,8 @@ impl<S: Vector> Equations<S> {
     }
 }
 
-/// Factors of the normal equations, as far as they determine a twist.
+/// Solution by Cholesky factors of the normal equations, or by their pseudo-inverse where they do not determine the
+/// twist.
 struct ByFactors<'a> {
     rover: &'a RoverData,
     unseen: Unseen,
@@ -204,7 +206,7 @@ fn product<S: Vector>(simd: S, matrix: &Matrix3<f64>, vector: [Lanes<S>; 3]) -> 
     product
 }
 
-/// Noise at least: a share of the root mean square rim speed, times the scale of the readings [m/s].
+/// Least noise of a robust fit: a share of the root mean square rim speed, times the scale of the readings [m/s].
 fn least_noise(rover: &RoverData, speeds: &[f64], scale: f64) -> f64 {
     let is_read = |(wheel, speed): &(&Wheel, &f64)| wheel.pivot != Pivot::Castor && speed.is_finite();
     let rim_speeds = rover.wheels().iter().zip(speeds).filter(is_read);
@@ -212,8 +214,8 @@ fn least_noise(rover: &RoverData, speeds: &[f64], scale: f64) -> f64 {
     NOISE * (squares / speeds.len() as f64).sqrt()
 }
 
-/// The power of two that brings the largest reading to between 1 and 2, so that squares neither overflow nor lose digits. The
-/// twist and the residuals are in proportion to the readings, the weights do not change with them.
+/// The power of two that scales the largest reading to between 1 and 2, so that squares neither overflow nor lose
+/// digits. Twist and residuals are in proportion to the readings, weights are independent of their scale.
 fn scale_of(readings: &[Reading]) -> f64 {
     let largest =
         readings.iter().fold(0.0, |most: f64, reading| most.max(reading.rolled.abs()).max(reading.slipped.abs()));

@@ -39,7 +39,8 @@ impl ForwardConstants {
     }
 }
 
-/// One row with steered wheels that are all `CENTRED` or not, of up to so many joints. None where it is a rare one.
+/// One row of a rover with up to `JOINTS` steering joints; `CENTRED`: without scrub and trail. Its output is None for
+/// rows of [`crate::rover_data::RoverData::forward_rarely`].
 struct ForwardRow<'a, const CENTRED: bool, const JOINTS: usize> {
     constants: &'a ForwardConstants,
     measured: Measured<'a>,
@@ -71,12 +72,12 @@ impl<const CENTRED: bool, const JOINTS: usize> Kernel for ForwardRow<'_, CENTRED
         if !is_solved.any() {
             return None;
         }
-        let [vx, vy, omega] = constants.unshifted(unknowns);
+        let [vx, vy, omega] = constants.twist_at_origin(unknowns);
         Some(Twist { vx: vx.sum(), vy: vy.sum(), omega: omega.sum() })
     }
 }
 
-/// One row, with the angles of its joints and their sines and cosines with the headings.
+/// One row: its readings, and the angles [rad] of its joints with the sines and cosines of the wheels' directions.
 #[derive(Clone, Copy)]
 struct SingleRow<'a, const JOINTS: usize> {
     measured: Measured<'a>,
@@ -84,7 +85,7 @@ struct SingleRow<'a, const JOINTS: usize> {
 }
 
 impl<const JOINTS: usize> SingleRow<'_, JOINTS> {
-    /// A number of a joint, of which there are no more.
+    /// Angle (0), sine (1) or cosine (2) of a joint.
     #[inline(always)]
     fn number(self, column: usize, joint: usize) -> Lanes<Scalar> {
         Lanes::splat(Scalar, self.directions[column][joint % JOINTS])

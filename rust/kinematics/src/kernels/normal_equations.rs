@@ -1,5 +1,5 @@
 //! Normal equations of the twists of a register of readings, and their solution. Forward kinematics, fits and
-//! sensitivities start here, of one row as of many.
+//! sensitivities use them, for one row as for many.
 //!
 //! The rows of a steered wheel determine together the velocity of its contact, whichever way it points. Without scrub and
 //! trail the contact is the pivot, and the normal equations and their solution are constants of the rover.
@@ -16,13 +16,13 @@ use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, sin_cos};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Speeds up to here make a finite twist [rad/s]. NaN, of a wheel without encoder, is not one.
+/// Speeds up to this give a finite twist [rad/s].
 pub(crate) const LARGEST_SPEED: f64 = 1e100;
 
-/// Bound of the numbers by which the rover multiplies readings.
+/// Largest [`RoverData::reading_bound`] of rovers whose readings up to [`LARGEST_SPEED`] give a finite twist.
 pub const LARGEST_ROVER: f64 = 1e100;
 
-/// Pivot of the normal equations, as a share of their trace, from which on minors solve them without loss of digits.
+/// Minors solve normal equations without loss of digits if every pivot is above this share of their trace.
 const DETERMINED: f64 = 1e-10;
 
 /// Constants of a rover for the kernels of readings.
@@ -36,9 +36,9 @@ pub(crate) struct ForwardConstants {
     pub headings: Vec<Eight>,
     /// False where every row is one of [`RoverData::forward_rarely`]: the twist is never determined, or sizes are extreme.
     pub is_regular: bool,
-    /// Of the normal equations, `00 01 02 11 12 22`: the part that does not depend on the angles.
+    /// The part of the normal equations that does not depend on the steering angles, `00 01 02 11 12 22`.
     normal: [f64; 6],
-    /// From the right-hand side to the unknowns, where all of the normal equations do not.
+    /// Matrix from the right-hand side to the unknowns, if no part of the normal equations depends on them.
     pub solution: Option<[[f64; 3]; 3]>,
     /// Mean of the pivots [m], and one over their root mean square distance from it [1/m].
     centre: [f64; 2],
@@ -46,12 +46,12 @@ pub(crate) struct ForwardConstants {
 }
 
 impl ForwardConstants {
-    /// Every wheel alike.
+    /// Constants with weight 1 for every wheel.
     pub fn new(rover: &RoverData) -> Self {
         Self::weighted(rover, rover.solution, |_| 1.0)
     }
 
-    /// Wheels with a weight of 1 or 0, and the solution of their normal equations, where it is a constant.
+    /// Constants with weights of 1 or 0, and with the solution of the normal equations, if it is a constant.
     pub fn weighted(rover: &RoverData, solution: Option<Matrix3<f64>>, weight: impl Fn(usize) -> f64) -> Self {
         let wheels: Vec<_> = (0..rover.wheels().len()).map(|i| WheelRows::new(rover, i, weight(i) != 0.0)).collect();
         let mut normal = [0.0; 6];
@@ -80,7 +80,7 @@ impl ForwardConstants {
         }
     }
 
-    /// Columns of the rates, where they matter.
+    /// Number of columns of steering rates: 0 if none are given or they do not change the twist.
     #[inline]
     pub fn rates(&self, log: Log<'_>) -> usize {
         match (self.solution, log.steering_rates) {
@@ -92,7 +92,7 @@ impl ForwardConstants {
 
 /// Readings in lanes: a row in every lane, or one row.
 pub(crate) trait ReadingLanes<'a, S: Vector>: Copy {
-    /// Readings of one wheel, or numbers kept of one.
+    /// Memory of one number per lane.
     type Cell: 'a;
 
     /// Speeds of the wheels [rad/s].
@@ -110,7 +110,7 @@ pub(crate) trait ReadingLanes<'a, S: Vector>: Copy {
     /// Sine and cosine of the direction of its wheel, with this angle and direction at angle 0.
     fn direction(self, simd: S, joint: usize, angle: Lanes<S>, heading: f64) -> [Lanes<S>; 2];
 
-    /// Rate of a steering joint [rad/s], where it matters.
+    /// Rate of a steering joint [rad/s], if rates are given and change the twist.
     fn rate(self, simd: S, joint: usize) -> Option<Lanes<S>>;
 }
 
@@ -126,8 +126,8 @@ pub(crate) struct Sums<S: Vector> {
 
 #[inline_always]
 impl ForwardConstants {
-    /// Sums over the wheels. With `KEEP`, the readings of each along its rows are kept for fits; `CENTRED`: no steered wheel has
-    /// scrub or trail, which is known out of the loop.
+    /// Sums over the wheels. `KEEP`: the readings of each wheel along its rows are written to `kept`, for fits.
+    /// `CENTRED`: no steered wheel has scrub or trail; a constant, so that the loop has no branch on it.
     pub fn sum<'a, S: Vector, R: ReadingLanes<'a, S>, const KEEP: bool, const CENTRED: bool>(
         &self,
         simd: S,
@@ -137,7 +137,7 @@ impl ForwardConstants {
         let splat = |number| Lanes::splat(simd, number);
         let zero = splat(0.0);
         let [mut x, mut y, mut z] = [zero; 3];
-        // Sums of squares are too large as well if one reading is, and NaN if one is.
+        // Sums of squares: above the bound if one reading is, and NaN if one is.
         let [mut angles, mut rates, mut rolling] = [zero; 3];
         let mut normal = [zero; 6];
         if !CENTRED {
@@ -173,7 +173,7 @@ impl ForwardConstants {
                         add_moments(&mut normal, arm);
                         if let Some(rate) = readings.rate(simd, joint) {
                             rates = rate.mul_add(rate, rates);
-                            // The contact goes round the steering axis.
+                            // The steering rate moves the contact about the steering axis: `u + y phi', v - x phi'`.
                             let [x, y] = Offset::offset_point([zero; 2], offset.lengths, direction);
                             (u, v) = (u + y * rate, v - x * rate);
                         }
@@ -241,14 +241,14 @@ impl ForwardConstants {
         normal
     }
 
-    /// The twist whose unknowns about the centre of the pivots these are.
-    pub fn unshifted<S: Vector>(&self, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+    /// The twist of these unknowns about the centre of the pivots.
+    pub fn twist_at_origin<S: Vector>(&self, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let omega = z * self.per_size;
         [x + omega * self.centre[1], y - omega * self.centre[0], omega]
     }
 }
 
-/// Adds the moments of a contact at the end of this arm to the normal equations.
+/// Adds the moments of a contact at this arm, a share of the rover's size, to the normal equations.
 #[inline(always)]
 fn add_moments<S: Vector>(normal: &mut [Lanes<S>; 6], [x, y]: [Lanes<S>; 2]) {
     normal[2] = normal[2] - y;
@@ -256,7 +256,8 @@ fn add_moments<S: Vector>(normal: &mut [Lanes<S>; 6], [x, y]: [Lanes<S>; 2]) {
     normal[5] = x.mul_add(x, y.mul_add(y, normal[5]));
 }
 
-/// The solution of normal equations `00 01 02 11 12 22`, and where their pivots are large enough.
+/// The solution of normal equations `00 01 02 11 12 22` by minors, and the lanes in which all pivots exceed
+/// [`DETERMINED`].
 #[inline(always)]
 pub(crate) fn solve<S: Vector>(
     simd: S,
@@ -271,6 +272,6 @@ pub(crate) fn solve<S: Vector>(
     let share = Lanes::splat(simd, 1.0) / whole;
     let unknowns =
         [(xx * x + xy * y + xz * z) * share, (xy * x + yy * y + yz * z) * share, (xz * x + yz * y + zz * z) * share];
-    // The pivots, times those before them.
+    // Leading minors: each is the product of the pivots up to its own.
     (unknowns, least.lt(a) & (least * a).lt(zz) & (least * zz).lt(whole))
 }

@@ -77,11 +77,11 @@ impl<'a, S: Vector> ReadingLanes<'a, S> for Register<'a> {
     }
 }
 
-/// Data of a block that are kept beside its twists.
+/// Results of the least squares of a block that fits need beside its twists.
 pub(crate) struct FitColumns<'a> {
     /// Reading of each wheel along its rows [m/s].
     pub readings: &'a mut [[Column; 2]],
-    /// About the centre of the pivots, the last one a speed.
+    /// Velocity of the centre of the pivots, and yaw rate times the size of the rover [m/s].
     pub unknowns: [Column; 3],
     /// Sum of squares of the rim speeds [m²/s²].
     pub rolling: Column,
@@ -90,7 +90,7 @@ pub(crate) struct FitColumns<'a> {
 }
 
 impl<'a> FitColumns<'a> {
-    /// Nothing yet; no readings are kept of wheels without a place for them.
+    /// Columns of zeros; readings are kept of as many wheels as `readings` has columns for.
     #[inline]
     pub fn new(readings: &'a mut [[Column; 2]]) -> Self {
         Self { readings, unknowns: [Column::ZERO; 3], rolling: Column::ZERO, rare: Column::ZERO }
@@ -114,7 +114,7 @@ pub(crate) fn solve_block<S: Vector, const KEEP: bool>(
     }
 }
 
-/// [`solve_block`], with the kind of the equations out of the loop: [`ForwardConstants::sum`].
+/// [`solve_block`] with the constants of [`ForwardConstants::sum`].
 #[inline(always)]
 fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
     simd: S,
@@ -138,7 +138,7 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
                 column.store(k, unknown);
             }
         }
-        for (column, part) in twists.iter_mut().zip(constants.unshifted(unknowns)) {
+        for (column, part) in twists.iter_mut().zip(constants.twist_at_origin(unknowns)) {
             column.store(k, part);
         }
         kept.rare.store(k, is_solved.select(zero, one));

@@ -19,8 +19,8 @@ use six_wheel_numerics::simd::vector::Vector;
 /// Sums of squares of rim speeds whose squares neither overflow nor lose digits [m²/s²].
 const SQUARES: [f64; 2] = [1e-100, 1e100];
 
-/// Smallest eigenvalue of the weighted rows, as a share of the largest, whose root is exact to 1e-12. Below it, singular
-/// values of the rows themselves.
+/// The root of the smallest eigenvalue of the weighted normal equations is exact to 1e-12 if that is above this share
+/// of the largest one. Otherwise the singular values of the rows are computed.
 const EXACT_ROOT: f64 = 1e-3;
 
 /// Jacobi rotations end when the entries they remove are below this share of the trace.
@@ -42,7 +42,7 @@ impl<'a> Block<'a> {
         }
     }
 
-    /// Begins with the least squares of a block, but for the rare rows.
+    /// Starts from the least squares of a block, with the rare rows left out.
     #[inline(always)]
     pub fn begin<S: Vector>(&mut self, simd: S, constants: &RobustConstants, count: usize) {
         let one = Lanes::splat(simd, 1.0);
@@ -68,7 +68,7 @@ impl<'a> Block<'a> {
         }
     }
 
-    /// Takes over the `k`th row of those left to another block.
+    /// Copies row `k` of the active rows of another block to the end of this one.
     pub fn take(&mut self, other: &Block<'_>, k: usize) {
         let (from, to) = (other.active[k] % BLOCK, self.left % BLOCK);
         let move_to = |column: &mut Column, other: &Column| column.0[to] = other.0[from];
@@ -90,15 +90,16 @@ impl<'a> Block<'a> {
         self.left += 1;
     }
 
-    /// The row of the block that is the `k`th of those left.
+    /// Index in the block of active row `k`.
     #[inline]
     pub fn row(&self, k: usize) -> usize {
         self.active[k]
     }
 
-    /// So many rounds, or until all rows have settled.
+    /// Iterates the active rows, phase by phase of so many rounds each, until all have converged or the phases end.
+    /// After each phase the rows that have not converged are gathered into full registers.
     #[inline(always)]
-    pub fn go_on<S: Vector>(&mut self, simd: S, constants: &RobustConstants, phases: &[usize]) {
+    pub fn iterate<S: Vector>(&mut self, simd: S, constants: &RobustConstants, phases: &[usize]) {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         for phase in phases {
             let mut kept = 0;
@@ -140,7 +141,7 @@ impl<'a> Block<'a> {
                     if marks[2 + half][lane] != 0.0 {
                         self.kept.rare.0[row] = 1.0;
                     } else if marks[half][lane] != 0.0 {
-                        // Not further than where it was read from.
+                        // `kept` is at most the index that was read, so that no unread entry is overwritten.
                         self.active[kept] = row;
                         kept += 1;
                     }
@@ -179,7 +180,7 @@ impl<'a> Block<'a> {
     }
 }
 
-/// The same number in all columns; of slices, the compiler makes scattered stores.
+/// Fills columns with a number, register by register; filled as slices, they are compiled to scattered stores.
 #[inline(always)]
 fn fill<S: Vector>(number: Lanes<S>, columns: &mut [Column]) {
     for column in columns {
@@ -189,7 +190,8 @@ fn fill<S: Vector>(number: Lanes<S>, columns: &mut [Column]) {
     }
 }
 
-/// Smallest eigenvalue of the weighted rows of the twist itself, by rotations, and where its root is exact.
+/// Smallest eigenvalue of the weighted normal equations of the twist, by Jacobi rotations, and the lanes in which its
+/// root is exact.
 #[inline(always)]
 fn smallest<S: Vector>(simd: S, constants: &RobustConstants, weights: &[Lanes<S>; MOST]) -> (Lanes<S>, Mask<S>) {
     let splat = |number| Lanes::splat(simd, number);
@@ -202,9 +204,9 @@ fn smallest<S: Vector>(simd: S, constants: &RobustConstants, weights: &[Lanes<S>
     let [mut a, mut b, mut c, mut d, mut e, mut f] = sum;
     let enough = (a + d + f) * splat(DIAGONAL);
     for _ in 0..SWEEPS {
-        [a, d, b, c, e] = turned(simd, [a, d, b, c, e]);
-        [a, f, c, b, e] = turned(simd, [a, f, c, b, e]);
-        [d, f, e, b, c] = turned(simd, [d, f, e, b, c]);
+        [a, d, b, c, e] = rotate_axes(simd, [a, d, b, c, e]);
+        [a, f, c, b, e] = rotate_axes(simd, [a, f, c, b, e]);
+        [d, f, e, b, c] = rotate_axes(simd, [d, f, e, b, c]);
         if !enough.lt(b.abs().max(c.abs()).max(e.abs())).any() {
             break;
         }
@@ -213,9 +215,9 @@ fn smallest<S: Vector>(simd: S, constants: &RobustConstants, weights: &[Lanes<S>
     (least, (most * splat(EXACT_ROOT)).lt(least))
 }
 
-/// Turns two axes until their product vanishes: their squares, the product, their products with the third one.
+/// Jacobi rotation of the axes p and q of a symmetric matrix: its entries `pp, qq, pq, pr, qr` after it, with `pq = 0`.
 #[inline(always)]
-fn turned<S: Vector>(simd: S, [p, q, pq, pr, qr]: [Lanes<S>; 5]) -> [Lanes<S>; 5] {
+fn rotate_axes<S: Vector>(simd: S, [p, q, pq, pr, qr]: [Lanes<S>; 5]) -> [Lanes<S>; 5] {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let (apart, twice) = (q - p, pq + pq);
     let length = apart.mul_add(apart, twice * twice).sqrt();

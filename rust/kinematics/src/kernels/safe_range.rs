@@ -10,10 +10,10 @@ use six_wheel_numerics::simd::vector::Vector;
 pub(crate) const MIN_SQUARABLE: f64 = 1e-100;
 pub(crate) const MAX_SQUARABLE: f64 = 1e100;
 
-/// Powers of two that bring smaller and larger numbers into that range.
+/// Powers of two that scale smaller and larger numbers into that range.
 pub(crate) const SCALE: [f64; 2] = [f64::from_bits((1023 + 600) << 52), f64::from_bits((1023 - 600) << 52)];
 
-/// Sizes of rovers with which that holds at every pivot.
+/// Lengths of rovers for which that holds at every pivot [m].
 pub(crate) const SAFE_LENGTHS: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
 
 /// Sum of the absolute values of a twist.
@@ -38,7 +38,7 @@ pub(crate) fn has_safe_lengths(wheel: &Wheel) -> bool {
     lengths.into_iter().all(is_safe) && offsets.iter().all(|offset| offset < SAFE_LENGTHS.end())
 }
 
-/// Two pivots far apart.
+/// The first pivot and the one farthest from it [m].
 pub(crate) fn distant_pivots(wheels: &[Wheel]) -> [[f64; 2]; 2] {
     let first = [wheels[0].x, wheels[0].y];
     let mut other = first;
@@ -51,7 +51,7 @@ pub(crate) fn distant_pivots(wheels: &[Wheel]) -> [[f64; 2]; 2] {
     [first, other]
 }
 
-/// True if all numbers are surely at most so large, by the sum of their squares. False for NaN.
+/// True if the sum of the squares of all numbers is at most `largest²`, so that none is larger. False for NaN.
 #[inline(always)]
 pub(crate) fn all_within<S: Vector>(simd: S, values: &[f64], largest: f64) -> bool {
     let mut sums = [Lanes::splat(simd, 0.0); 4];

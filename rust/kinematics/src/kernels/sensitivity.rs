@@ -1,12 +1,12 @@
 //! Derivatives of the twist of whole registers of readings.
 //!
-//! They are sums of products of what the wheels read, with constants of the rover: see [`crate::estimate::gradients`].
+//! They are sums of products of the readings with constants of the rover: see [`crate::estimate::gradients`].
 
 use super::normal_equations::{ForwardConstants, LARGEST_SPEED, solve};
 use super::readings::{FitColumns, ReadingColumns, solve_block};
 use super::safe_range::all_within;
 use crate::estimate::gradients::{GIVEN, Gradients, PRODUCTS, Sum};
-use crate::estimate::sensitivity::{Linearised, Quantity};
+use crate::estimate::sensitivity::{LinearisedFit, Quantity};
 use crate::estimate::{Measured, Method, Reading, Unseen};
 use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
 use crate::table::{Log, row_mut};
@@ -20,7 +20,8 @@ use six_wheel_numerics::simd::vector::Vector;
 /// Registers in lockstep.
 const QUAD: usize = 4;
 
-/// A quantity, the wheels with a derivative by it, and where these go: three rows of wheels for every row of readings.
+/// A quantity, the wheels with a derivative by it, and the output of these: three rows of wheels for every row of
+/// readings.
 pub(crate) type Target<'a> = (Quantity, &'a [usize], &'a mut [f64]);
 
 /// Input and output of the sensitivities of a log.
@@ -42,7 +43,7 @@ impl Kernel for SensitivityQuery<'_, '_> {
         let (rover, constants) = (self.rover, self.constants);
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         let readings = wheels + self.log.steering_rates.map_or(joints, |_| 2 * joints);
-        // Once for all rows.
+        // Allocated once for all rows.
         let mut memory = vec![Column::ZERO; readings + 3 * wheels];
         let (readings, derivatives) = memory.split_at_mut(readings);
         let mut products = vec![[simd.splat_f64s(0.0); QUAD]; PRODUCTS * wheels];
@@ -76,7 +77,7 @@ impl Kernel for SensitivityQuery<'_, '_> {
                         let sums = gradients.of(i, turning);
                         let mut derivative = summed(simd, sums, products);
                         if constants.solution.is_none() {
-                            derivative = turned(simd, &derivative, &inverse);
+                            derivative = product(simd, &derivative, &inverse);
                         }
                         for (part, registers) in derivative.iter().enumerate() {
                             for (k, register) in registers.iter().enumerate() {
@@ -99,7 +100,7 @@ impl Kernel for SensitivityQuery<'_, '_> {
     }
 }
 
-/// A row on its own: row `k` of the log, row `to` of the targets.
+/// Writes the derivatives of row `k` of the log to row `to` of the targets, by its own equations.
 pub(crate) fn write_row(
     rover: &RoverData,
     log: Log<'_>,
@@ -123,15 +124,19 @@ pub(crate) fn write_row(
 }
 
 impl RoverData {
-    /// Calls `ask` with the linearised fit of one instant's readings, all wheels weighted alike.
-    pub fn sensitivity<T>(&self, measured: Measured<'_>, ask: impl FnOnce(&Linearised<'_>) -> T) -> Result<T, Error> {
+    /// Calls `evaluate` with the linearised fit of one instant's readings, all wheels with weight 1.
+    pub fn sensitivity<T>(
+        &self,
+        measured: Measured<'_>,
+        evaluate: impl FnOnce(&LinearisedFit<'_>) -> T,
+    ) -> Result<T, Error> {
         self.check_readings(measured)?;
         let mut readings = [Reading::NONE; MAX_WHEELS];
         let readings = self.read(measured, &mut readings);
         let solution = self.solution_for(readings, measured, Unseen::Refuse)?;
         let mut weights = [1.0; MAX_WHEELS];
         let twist = self.estimate(readings, measured, Method::LeastSquares, Unseen::Refuse, &mut weights, &mut [])?;
-        Ok(ask(&Linearised { rover: self, readings, measured, solution, twist: twist.into(), weights: None }))
+        Ok(evaluate(&LinearisedFit { rover: self, readings, measured, solution, twist: twist.into(), weights: None }))
     }
 }
 
@@ -194,7 +199,7 @@ fn invert<S: Vector>(
         let mut unit = [one, zero, zero];
         for column in inverse.as_chunks_mut::<3>().0 {
             let (unknowns, _) = solve(simd, normal, unit);
-            for (place, number) in column.iter_mut().zip(constants.unshifted(unknowns)) {
+            for (place, number) in column.iter_mut().zip(constants.twist_at_origin(unknowns)) {
                 place.store(k, number);
             }
             let [x, y, z] = unit;
@@ -220,7 +225,7 @@ fn summed<S: Vector>(simd: S, sums: &[Sum; 3], products: &[[S::f64s; QUAD]]) -> 
 
 /// Product of the inverse and a gradient.
 #[inline(always)]
-fn turned<S: Vector>(simd: S, gradient: &[[Lanes<S>; QUAD]; 3], inverse: &[Column; 9]) -> [[Lanes<S>; QUAD]; 3] {
+fn product<S: Vector>(simd: S, gradient: &[[Lanes<S>; QUAD]; 3], inverse: &[Column; 9]) -> [[Lanes<S>; QUAD]; 3] {
     let mut derivative = [[Lanes::splat(simd, 0.0); QUAD]; 3];
     for (gradient, inverse) in gradient.iter().zip(inverse.as_chunks::<3>().0) {
         for (derivative, inverse) in derivative.iter_mut().zip(inverse) {

@@ -5,7 +5,7 @@ use crate::geometry::Steps;
 use crate::pose_logs::integrate;
 use crate::presets::preset;
 use crate::rover::Inputs;
-use crate::se2::accumulate::Walk;
+use crate::se2::accumulate::PoseAccumulator;
 use crate::table::Log;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::Level;
@@ -84,9 +84,9 @@ fn poses_are_the_same_past_the_caches() {
         let (twists, steps) = (twists.as_chunks().0, Steps::Constant(0.7));
         for level in Level::available().into_iter() {
             is_the_same(3 * count, |poses, non_temporal| {
-                let walk = &mut Walk::new([1.0, 2.0, 3.0]);
+                let accumulator = &mut PoseAccumulator::new([1.0, 2.0, 3.0]);
                 let poses = poses.as_chunks_mut().0;
-                integrate::follow(level, twists, steps, poses, non_temporal, walk);
+                integrate::integrate_steps(level, twists, steps, poses, non_temporal, accumulator);
             });
         }
     }

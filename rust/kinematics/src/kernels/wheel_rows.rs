@@ -55,8 +55,9 @@ impl RowPair {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WheelRows {
     pub rows: RowPair,
+    /// Hub to ground [m].
     pub radius: f64,
-    /// True if the wheel has a share in the twist.
+    /// True if the wheel's weight is 1, false if it is 0.
     pub counts: bool,
     pub kind: RowKind,
     /// Direction at steering angle 0 of a steered wheel [rad].
@@ -65,7 +66,7 @@ pub(crate) struct WheelRows {
     pub offset: Option<Offset>,
 }
 
-/// Cause of the direction of a wheel, as one byte: a single row spends a tenth of its time on telling them apart.
+/// Kind of the wheel. It is one byte: a single row takes a tenth of its time for the branches on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum RowKind {
     Steered,
@@ -73,10 +74,12 @@ pub(crate) enum RowKind {
     Castor,
 }
 
-/// Scrub and trail: in metres, and as shares of the size of the rover.
+/// Scrub and trail of a wheel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Offset {
+    /// [m]
     pub lengths: [f64; 2],
+    /// As shares of the size of the rover.
     pub shares: [f64; 2],
 }
 
@@ -92,7 +95,7 @@ impl WheelRows {
         let lengths = [wheel.scrub, wheel.trail];
         let has_offset = kind == RowKind::Steered && !wheel.is_centred();
         Self {
-            rows: RowPair(rows.map(|row| rover.shifted(&row).into())),
+            rows: RowPair(rows.map(|row| rover.row_about_centre(&row).into())),
             radius: wheel.radius,
             counts,
             kind,
@@ -101,8 +104,8 @@ impl WheelRows {
         }
     }
 
-    /// Contribution to the normal equations in any direction of the wheel. The moments of a wheel with scrub or trail
-    /// follow its direction and are left out.
+    /// The constant part of the wheel's normal equations. The moments of a wheel with scrub or trail depend on its
+    /// direction and are not in it.
     #[inline]
     pub fn normal(&self) -> [f64; 6] {
         let mut rows = self.rows;
@@ -121,7 +124,7 @@ impl WheelRows {
 }
 
 impl Offset {
-    /// A point away from the steering axis by scrub and trail.
+    /// A contact from its pivot: `p - trail e + scrub n` with `e = (cos, sin)`, `n = (-sin, cos)`.
     #[inline(always)]
     pub fn offset_point<S: Vector>(
         [x, y]: [Lanes<S>; 2],

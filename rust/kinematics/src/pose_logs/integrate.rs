@@ -1,9 +1,10 @@
-//! Poses along logs, one log after the other: a register holds successive steps, and its sums run along its lanes.
+//! Poses along logs, one log after the other: a register holds successive steps, and poses are prefix sums over its
+//! lanes.
 
 use super::logs::Logs;
 use super::tile::LANES;
 use crate::geometry::Steps;
-use crate::se2::accumulate::{Sum, Walk};
+use crate::se2::accumulate::{PoseAccumulator, Sum};
 use crate::se2::angles::{reduce_lanes, sin_cos_any};
 use crate::se2::maps::sinc;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -12,25 +13,25 @@ use six_wheel_numerics::simd::polynomials::{direction, sinc_of_square};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::stream::{Output, prefetch_ahead};
 
-/// Registers of steps in lockstep: their sums are short chains that wait for each other.
+/// Registers of steps in lockstep, which hide the latency of prefix sums.
 const ABREAST: usize = 4;
 
 /// Half of a step's turn up to which the chord is a polynomial [rad].
 const LARGEST_HALF_TURN: f64 = std::f64::consts::FRAC_PI_4;
 
-/// Numbers up to here surely add up to something finite.
+/// Sums of magnitudes up to this are finite in every order of summation.
 pub(crate) const LARGEST_TOTAL: f64 = 1e300;
 
-/// Goes on along a log that has been checked; the pose after every step.
-pub(crate) fn follow(
+/// Integrates further steps of a log that has been checked; writes the pose after every step.
+pub(crate) fn integrate_steps(
     level: Level,
     twists: &[[f64; 3]],
     steps: Steps<'_>,
     poses: &mut [[f64; 3]],
     non_temporal: bool,
-    walk: &mut Walk,
+    accumulator: &mut PoseAccumulator,
 ) {
-    level.run_any(PoseIntegrator { twists, steps, poses, non_temporal, walk });
+    level.run_any(PoseIntegrator { twists, steps, poses, non_temporal, accumulator });
 }
 
 struct PoseIntegrator<'a> {
@@ -38,7 +39,7 @@ struct PoseIntegrator<'a> {
     steps: Steps<'a>,
     poses: &'a mut [[f64; 3]],
     non_temporal: bool,
-    walk: &'a mut Walk,
+    accumulator: &'a mut PoseAccumulator,
 }
 
 impl Kernel for PoseIntegrator<'_> {
@@ -48,17 +49,17 @@ impl Kernel for PoseIntegrator<'_> {
     fn run<S: Vector>(self, simd: S) {
         let room = 3 * ABREAST * S::F64_LANES;
         let mut output = Output::new(simd, self.poses.as_flattened_mut(), room, self.non_temporal);
-        along(simd, self.twists, self.steps, &mut output, self.walk);
+        along(simd, self.twists, self.steps, &mut output, self.accumulator);
     }
 }
 
-/// Whole logs that have been checked: their starts, and one pose after every step.
-pub(crate) fn place(level: Level, logs: Logs<'_>, poses: &mut [[f64; 3]], non_temporal: bool) {
-    level.run_any(Place { logs, poses, non_temporal });
+/// Integrates whole logs that have been checked: writes their starts, and one pose after every step.
+pub(crate) fn integrate_logs(level: Level, logs: Logs<'_>, poses: &mut [[f64; 3]], non_temporal: bool) {
+    level.run_any(IntegrateLogs { logs, poses, non_temporal });
 }
 
-/// The kernel of poses along whole logs, one log in every lane.
-pub struct Place<'a> {
+/// The kernel of poses along whole logs, one log after the other.
+pub struct IntegrateLogs<'a> {
     /// Logs that have been checked.
     pub logs: Logs<'a>,
     /// Their starts, and one pose after every step.
@@ -67,7 +68,7 @@ pub struct Place<'a> {
     pub non_temporal: bool,
 }
 
-impl Kernel for Place<'_> {
+impl Kernel for IntegrateLogs<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -76,24 +77,30 @@ impl Kernel for Place<'_> {
         let room = 3 * ABREAST * S::F64_LANES;
         let logs = self.poses.len() / (count + 1);
         let mut output = Output::new(simd, self.poses.as_flattened_mut(), room, self.non_temporal);
-        let mut walk = Walk::new(starts[0]);
-        let first = walk;
+        let mut accumulator = PoseAccumulator::new(starts[0]);
+        let first = accumulator;
         for log in 0..logs {
             let start = match starts {
                 [one] => *one,
                 starts => starts[log],
             };
-            walk = if start == starts[0] { first } else { Walk::new(start) };
+            accumulator = if start == starts[0] { first } else { PoseAccumulator::new(start) };
             output.next(3).copy_from_slice(&start);
             let twists = &self.logs.twists[log * count..(log + 1) * count];
-            along(simd, twists, steps, &mut output, &mut walk);
+            along(simd, twists, steps, &mut output, &mut accumulator);
         }
     }
 }
 
 /// All steps of a log, or of a piece of one.
 #[inline(always)]
-fn along<S: Vector>(simd: S, twists: &[[f64; 3]], steps: Steps<'_>, output: &mut Output<'_, S>, walk: &mut Walk) {
+fn along<S: Vector>(
+    simd: S,
+    twists: &[[f64; 3]],
+    steps: Steps<'_>,
+    output: &mut Output<'_, S>,
+    accumulator: &mut PoseAccumulator,
+) {
     let (many, few) = (ABREAST * S::F64_LANES, S::F64_LANES);
     let mut first = 0;
     while first < twists.len() {
@@ -104,11 +111,11 @@ fn along<S: Vector>(simd: S, twists: &[[f64; 3]], steps: Steps<'_>, output: &mut
         let poses = output.next(3 * size);
         if size == many {
             prefetch_ahead(simd, twists.as_flattened(), 0, 1);
-            step_lanes::<S, ABREAST>(simd, twists.as_flattened(), steps, poses, walk);
+            step_lanes::<S, ABREAST>(simd, twists.as_flattened(), steps, poses, accumulator);
         } else if size == few {
-            step_lanes::<S, 1>(simd, twists.as_flattened(), steps, poses, walk);
+            step_lanes::<S, 1>(simd, twists.as_flattened(), steps, poses, accumulator);
         } else {
-            // The last steps: those that are missing stand still.
+            // The last steps, padded with steps without motion.
             let mut padded = [[0.0; 3]; LANES];
             let mut dts = [0.0; LANES];
             padded[..size].copy_from_slice(twists);
@@ -116,7 +123,7 @@ fn along<S: Vector>(simd: S, twists: &[[f64; 3]], steps: Steps<'_>, output: &mut
                 *dt = steps.get(k);
             }
             let mut placed = [0.0; 3 * LANES];
-            step_lanes::<S, 1>(simd, padded.as_flattened(), Steps::Each(&dts), &mut placed, walk);
+            step_lanes::<S, 1>(simd, padded.as_flattened(), Steps::Each(&dts), &mut placed, accumulator);
             poses.copy_from_slice(&placed[..3 * size]);
         }
         first += size;
@@ -130,17 +137,17 @@ fn step_lanes<S: Vector, const N: usize>(
     twists: &[f64],
     steps: Steps<'_>,
     poses: &mut [f64],
-    walk: &mut Walk,
+    accumulator: &mut PoseAccumulator,
 ) {
-    if !try_step_lanes::<S, N, false>(simd, twists, steps, poses, walk) {
-        try_step_lanes::<S, N, true>(simd, twists, steps, poses, walk);
+    if !try_step_lanes::<S, N, false>(simd, twists, steps, poses, accumulator) {
+        try_step_lanes::<S, N, true>(simd, twists, steps, poses, accumulator);
     }
 }
 
-/// `N` registers of steps, all of which turn by at most twice [`LARGEST_HALF_TURN`], or of any turns (`FAR`). Returns
-/// false if a step turns too far; nothing has happened to `walk` then.
+/// `N` registers of steps, all of which turn by at most twice [`LARGEST_HALF_TURN`], or by any angle (`FAR`). Returns
+/// false, with `accumulator` unchanged, if a step turns farther.
 ///
-/// From register to register sums are plain, from call to call compensated: rounding grows with the length of a few
+/// Sums of the registers of a call are plain, those over calls compensated: rounding grows with the length of a few
 /// steps, not with that of the log.
 #[inline(always)]
 fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
@@ -148,7 +155,7 @@ fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
     twists: &[f64],
     steps: Steps<'_>,
     poses: &mut [f64],
-    walk: &mut Walk,
+    accumulator: &mut PoseAccumulator,
 ) -> bool {
     let width = 3 * S::F64_LANES;
     let zero = Lanes::splat(simd, 0.0);
@@ -156,8 +163,8 @@ fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
     let mut near = Mask::splat(simd, true);
     let [mut ahead, mut left, mut turns, mut halves] = [[zero; N]; 4];
     let [mut headings, mut squares] = [Lanes::<S, f64, N>::constant(simd, 0.0); 2];
-    let heading = Sums::splat(simd, &walk.heading);
-    // Sums of the turns, and of the turns without whole ones.
+    let heading = Sums::splat(simd, &accumulator.heading);
+    // Sums of the yaw increments, and of these reduced to half a turn to either side.
     let [mut turned, mut rotated] = [zero; 2];
     for m in 0..N {
         let [vx, vy, omega] = Lanes::deinterleave3(simd, &twists[width * m..]);
@@ -173,14 +180,14 @@ fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
         squares.set_register(m, half * half);
         let upto = prefix_sums(simd, turn);
         turns[m] = turned + upto;
-        // Along the chord, which leaves at half the turn.
+        // The direction of the chord is the heading at half the yaw increment.
         if FAR {
             let (turn, half) = (reduce_lanes(simd, turn), reduce_lanes(simd, half));
             let upto = prefix_sums(simd, turn);
-            headings.set_register(m, heading.beyond((rotated + upto) - (turn - half)));
+            headings.set_register(m, heading.plus((rotated + upto) - (turn - half)));
             rotated = rotated + upto.broadcast_last(simd);
         } else {
-            headings.set_register(m, heading.beyond(turns[m] - half));
+            headings.set_register(m, heading.plus(turns[m] - half));
         }
         turned = turned + upto.broadcast_last(simd);
     }
@@ -197,20 +204,20 @@ fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
     } else {
         rotated = turned;
     }
-    let [x, y, yaw] = [&walk.x, &walk.y, &walk.yaw].map(|sum| Sums::splat(simd, sum));
+    let [x, y, yaw] = [&accumulator.x, &accumulator.y, &accumulator.yaw].map(|sum| Sums::splat(simd, sum));
     let [mut east, mut north] = [zero; 2];
     for m in 0..N {
         let (sin, cos, length) = (sin.register(m), cos.register(m), length.register(m));
         let (ahead, left) = (ahead[m] * length, left[m] * length);
         let easts = prefix_sums(simd, cos * ahead - sin * left);
         let norths = prefix_sums(simd, sin.mul_add(ahead, cos * left));
-        let pose = [x.beyond(east + easts), y.beyond(north + norths), yaw.beyond(turns[m])];
+        let pose = [x.plus(east + easts), y.plus(north + norths), yaw.plus(turns[m])];
         Lanes::interleave3(pose, &mut poses[width * m..]);
         east = east + easts.broadcast_last(simd);
         north = north + norths.broadcast_last(simd);
     }
-    walk.turn_by(turned.last(simd), rotated.last(simd));
-    walk.shift(east.last(simd), north.last(simd));
+    accumulator.turn_by(turned.last(simd), rotated.last(simd));
+    accumulator.shift(east.last(simd), north.last(simd));
     true
 }
 
@@ -228,13 +235,13 @@ impl<S: Vector> Sums<S> {
         Self { sum: Lanes::splat(simd, sum.sum), lost: Lanes::splat(simd, sum.lost) }
     }
 
-    /// So much more than the sum.
-    fn beyond(&self, more: Lanes<S>) -> Lanes<S> {
+    /// The sum plus `more`.
+    fn plus(&self, more: Lanes<S>) -> Lanes<S> {
         self.sum + (self.lost + more)
     }
 }
 
-/// Prefix sums of the lanes: each with all before it.
+/// Prefix sums over the lanes: each lane plus all lanes before it.
 #[inline(always)]
 fn prefix_sums<S: Vector>(simd: S, terms: Lanes<S>) -> Lanes<S> {
     let mut sum = terms + Lanes::shift::<0>(simd, terms);
@@ -258,7 +265,14 @@ mod tests {
         let twists = vec![[1.0, 0.0, TAU / (count as f64 * 1e-3)]; count];
         let mut poses = vec![[0.0; 3]; count];
         for level in Level::available() {
-            follow(level, &twists, Steps::Constant(1e-3), &mut poses, false, &mut Walk::new([0.0; 3]));
+            integrate_steps(
+                level,
+                &twists,
+                Steps::Constant(1e-3),
+                &mut poses,
+                false,
+                &mut PoseAccumulator::new([0.0; 3]),
+            );
             let [x, y, yaw] = poses[count - 1];
             // 1 km of path; yaw carries the rounding of its own increments, 1e6 half ulps at worst.
             assert!(x.hypot(y) < 1e-8, "{x} {y}");
@@ -273,7 +287,14 @@ mod tests {
         let twists: Vec<_> = (0..200).map(twist).collect();
         let mut poses = vec![[0.0; 3]; twists.len()];
         for level in Level::available() {
-            follow(level, &twists, Steps::Constant(1.0), &mut poses, false, &mut Walk::new([0.0; 3]));
+            integrate_steps(
+                level,
+                &twists,
+                Steps::Constant(1.0),
+                &mut poses,
+                false,
+                &mut PoseAccumulator::new([0.0; 3]),
+            );
             let (mut x, mut y, mut heading) = (0.0, 0.0, 0.0_f64);
             for (k, [vx, vy, omega]) in twists.iter().enumerate() {
                 let half = omega / 2.0;

@@ -17,15 +17,16 @@ pub struct Logs<'a> {
     pub starts: &'a [[f64; 3]],
 }
 
-/// Something that follows the steps of a group of logs, tile by tile.
-pub trait Watch<S: Vector> {
-    /// Twists of the next steps, number by number, and how long they are held.
+/// Receives the steps of a group of logs, tile by tile.
+pub trait StepVisitor<S: Vector> {
+    /// Twists of the next steps, one register per number, and the durations of the steps [s].
     fn tile(&mut self, simd: S, twists: &[S::f64s; WIDTH], dts: &PerStep<S>);
 }
 
-/// As many logs as there are lanes, from log `first` on, or fewer: what is missing stands still.
+/// Passes the steps of as many logs as there are lanes, from log `first` on, to a visitor; missing logs are padded with
+/// steps without motion.
 #[inline(always)]
-pub fn side_by_side<S: Vector>(simd: S, logs: Logs<'_>, first: usize, watch: &mut impl Watch<S>) {
+pub fn side_by_side<S: Vector>(simd: S, logs: Logs<'_>, first: usize, visitor: &mut impl StepVisitor<S>) {
     let Logs { count, steps, .. } = logs;
     let mut logs = logs.twists[first * count..].chunks_exact(count.max(1));
     let logs: [&[[f64; 3]]; LANES] = std::array::from_fn(|_| logs.next().unwrap_or_default());
@@ -47,6 +48,6 @@ pub fn side_by_side<S: Vector>(simd: S, logs: Logs<'_>, first: usize, watch: &mu
         }
         let twists: [&[f64; WIDTH]; LANES] = std::array::from_fn(|lane| tiles[lane].get(k).unwrap_or(&padded[lane]));
         columns(simd, &twists, &mut numbers);
-        watch.tile(simd, &numbers, &dts);
+        visitor.tile(simd, &numbers, &dts);
     }
 }

@@ -1,4 +1,4 @@
-//! Eight steps in every lane: how registers see logs side by side.
+//! Tiles of eight steps in every lane, of logs side by side.
 
 use crate::geometry::Steps;
 use six_wheel_numerics::simd::lanes::Lanes;
@@ -16,7 +16,7 @@ pub const LANES: usize = 8;
 /// One register per step.
 pub type PerStep<S> = [Lanes<S>; STEPS];
 
-/// One row of numbers per lane into one register per number.
+/// Transposes one row of numbers per lane to one register per number.
 #[inline(always)]
 pub(crate) fn columns<S: Vector, const N: usize>(simd: S, rows: &[&[f64; N]; LANES], columns: &mut [S::f64s; N]) {
     for (c, columns) in columns.as_chunks_mut::<8>().0.iter_mut().enumerate() {
@@ -29,7 +29,7 @@ pub(crate) fn columns<S: Vector, const N: usize>(simd: S, rows: &[&[f64; N]; LAN
     }
 }
 
-/// Durations of steps that are the same in every lane; past the end of the log any will do.
+/// Durations of the steps of a tile [s], the same in every lane; 1 s after the end of the log.
 #[inline(always)]
 pub(crate) fn durations<S: Vector>(simd: S, steps: Steps<'_>, first: usize) -> PerStep<S> {
     let mut dts = [Lanes::splat(simd, 0.0); STEPS];

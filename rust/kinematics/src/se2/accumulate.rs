@@ -6,7 +6,7 @@ use six_wheel_numerics::error::{Error, finite, numbers};
 
 use crate::se2::angles::wrap_angle;
 
-/// A sum that carries its own rounding error along (Kahan's sum in Knuth's form, without a branch).
+/// A compensated sum: the sum and its accumulated rounding error (Kahan's sum in Knuth's form, without a branch).
 #[derive(Clone, Copy, Debug)]
 pub struct Sum {
     /// Leading part.
@@ -41,20 +41,20 @@ impl Sum {
 /// Difference of a whole turn and [`TAU`]: `2 pi - TAU` [rad].
 const TAU_REST: f64 = 2.449_293_598_294_706_4e-16;
 
-/// A pose on its way along a log.
+/// The pose along a log, as compensated sums.
 #[derive(Clone, Copy, Debug)]
-pub struct Walk {
+pub struct PoseAccumulator {
     /// East or forward [m].
     pub x: Sum,
     /// North or left [m].
     pub y: Sum,
-    /// With all its turns, as it is written.
+    /// Yaw with all whole turns, for output [rad].
     pub yaw: Sum,
-    /// Without them, as it is used: it keeps its digits however often the rover turns.
+    /// Yaw without whole turns, for sines and cosines [rad]: it keeps its digits after any number of turns.
     pub heading: Sum,
 }
 
-impl Walk {
+impl PoseAccumulator {
     /// Starts at a pose [m, m, rad].
     #[inline]
     pub fn new([x, y, yaw]: [f64; 3]) -> Self {
@@ -63,20 +63,20 @@ impl Walk {
         Self { x: Sum::new(x), y: Sum::new(y), yaw: Sum::new(yaw), heading }
     }
 
-    /// Adds a chord in world axes.
+    /// Adds a displacement in world axes [m].
     #[inline(always)]
     pub fn shift(&mut self, x: f64, y: f64) {
         self.x.add(x);
         self.y.add(y);
     }
 
-    /// Adds a turn.
+    /// Adds a yaw increment [rad].
     #[inline(always)]
     pub fn turn(&mut self, yaw: f64) {
         self.turn_by(yaw, yaw);
     }
 
-    /// Adds a turn of which whole turns have been taken out for the heading.
+    /// Adds a yaw increment to the yaw, and the same less whole turns to the heading [rad].
     #[inline(always)]
     pub(crate) fn turn_by(&mut self, yaw: f64, without_turns: f64) {
         self.yaw.add(yaw);
@@ -87,10 +87,10 @@ impl Walk {
     }
 }
 
-/// Beyond this an angle has no digit behind the point, and of its turns none that counts [rad].
+/// Angles above this have no digits after the decimal point, so that whole turns need not be exact [rad].
 const NO_DIGITS: f64 = 1e15;
 
-/// Takes whole turns out of an angle, exact up to the error of a turn given as the sum of two doubles.
+/// Subtracts whole turns from an angle [rad], exact up to the error of `2 pi` as the sum of two doubles.
 fn unwind(angle: &mut Sum) {
     if angle.sum.abs() > NO_DIGITS {
         *angle = Sum::new(wrap_angle(angle.sum));
@@ -102,7 +102,7 @@ fn unwind(angle: &mut Sum) {
     angle.lost -= turns.mul_add(TAU, -product) + turns * TAU_REST;
 }
 
-/// Bound of the distance and the turn of a log so far: while it is finite, every pose on the way is.
+/// Upper bound of the distance and the yaw of a log so far: while it is finite, every pose is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bound(f64);
 

@@ -1,4 +1,4 @@
-//! Angles of any size: brought into half a turn to either side, and their sines and cosines in every lane.
+//! Angles of any size: wrapped to half a turn to either side, and their sines and cosines in every lane.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,18 +9,18 @@ use six_wheel_numerics::simd::vector::Vector;
 /// Lanes of the widest register.
 pub(crate) const MAX_LANES: usize = 8;
 
-/// Whole turns in two parts: so many times the first, of up to [`MANY`], have no rounding.
+/// `2 pi` as the sum of two parts: multiples of the first are exact for angles up to [`MANY`].
 const TURN: [f64; 2] = {
     let high = f64::from_bits(TAU.to_bits() >> 21 << 21);
     [high, TAU - high]
 };
 
-/// Angles from which on turns are taken out bit by bit [rad].
+/// Angles from which on whole turns are subtracted by the remainder operator [rad].
 const MANY: f64 = 1e6;
 
-/// The angle brought into [-pi, pi] by whole turns; unchanged if it is there already.
+/// The angle plus the whole turns that bring it into [-pi, pi]; unchanged if it is there.
 pub fn wrap_angle(angle: f64) -> f64 {
-    // Exact: what is left has no more digits than a turn.
+    // Exact: the difference has no more digits than `TAU`.
     let rest = if angle.abs() < MANY {
         let turns = f64::from((angle / TAU) as i32);
         (angle - turns * TURN[0]) - turns * TURN[1]
@@ -58,7 +58,7 @@ pub(crate) fn wrap_lanes<S: Vector>(simd: S, angle: Lanes<S>) -> Lanes<S> {
     map_beyond(simd, angle, PI, wrap_angle)
 }
 
-/// An angle of the same direction, in [-pi, pi]: turns of 2 pi, not of its nearest number, are taken out.
+/// An angle of the same direction, in [-pi, pi]: multiples of 2 pi itself are subtracted, not of its double.
 fn same_direction(angle: f64) -> f64 {
     let (sin, cos) = angle.sin_cos();
     sin.atan2(cos)

@@ -6,8 +6,8 @@
 //! compose   p + R(yaw) q
 //! ```
 //!
-//! (E. Eade, Lie Groups for 2D and 3D Transformations, 2017, sec. 5.) The chord of an arc leaves at half its turn, so that
-//! nothing cancels as the yaw goes to 0, unlike in (1 - cos yaw) / yaw.
+//! (E. Eade, Lie Groups for 2D and 3D Transformations, 2017, sec. 5.) The angle from the heading at the start to the
+//! chord of an arc is half the yaw. So nothing cancels as the yaw tends to 0, unlike in (1 - cos yaw) / yaw.
 
 use crate::se2::angles::{sin_cos_any, wrap_lanes};
 use six_wheel_numerics::simd::lanes::Lanes;
@@ -69,13 +69,13 @@ impl Kernel for OneRow {
     }
 }
 
-/// `(x, y)` turned by an angle.
+/// `(x, y)` rotated by an angle.
 #[inline(always)]
 fn rotate<S: Vector>((sin, cos): (Lanes<S>, Lanes<S>), [x, y]: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// `sin(x) / x`, given the sine. The quotient of two equally rounded numbers: only x = 0 itself is an exception.
+/// `sin(x) / x`, given the sine: exact to rounding for every x but 0, where it is 1.
 #[inline(always)]
 pub(crate) fn sinc<S: Vector>(simd: S, x: Lanes<S>, sin: Lanes<S>) -> Lanes<S> {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
@@ -93,7 +93,7 @@ fn exp<S: Vector>(simd: S, [vx, vy, omega]: Row<S>, dt: Lanes<S>) -> Row<S> {
     [x * length, y * length, yaw]
 }
 
-/// The twist that turns the short way round.
+/// The twist whose yaw increment is in [-pi, pi].
 #[inline(always)]
 fn log<S: Vector>(simd: S, [x, y, yaw]: Row<S>, dt: Lanes<S>) -> Row<S> {
     let yaw = wrap_lanes(simd, yaw);
@@ -110,7 +110,7 @@ fn compose<S: Vector>(simd: S, [x, y, yaw]: Row<S>, [ahead, left, turn]: Row<S>)
     [x + dx, y + dy, yaw + turn]
 }
 
-/// The second pose seen from the first.
+/// `first_from_second`: the second pose in the frame of the first.
 #[inline(always)]
 fn between<S: Vector>(simd: S, [x, y, yaw]: Row<S>, second: Row<S>) -> Row<S> {
     let (sin, cos) = sin_cos_any(simd, yaw);

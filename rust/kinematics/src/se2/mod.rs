@@ -1,4 +1,5 @@
-//! The plane: maps between twists and poses, angles of any size, and sums of poses that keep their digits.
+//! SE(2), the group of planar motions: maps between twists and poses, angles of any size, and compensated sums of
+//! poses.
 
 pub(crate) mod accumulate;
 pub mod angles;

@@ -10,7 +10,7 @@
 use nalgebra::Vector3;
 
 use super::quantities::{Column, DIMENSIONS};
-use six_wheel_kinematics::estimate::sensitivity::Linearised;
+use six_wheel_kinematics::estimate::sensitivity::LinearisedFit;
 use six_wheel_numerics::error::{Error, HUGE, number};
 
 /// Numbers of one wheel that may be off, in their order: [`DIMENSIONS`], and the scale factors of the readings of its rotation
@@ -69,7 +69,7 @@ impl Deviations {
     }
 
     /// Error of the displacement of a step by each of them.
-    pub(crate) fn displacement_errors(&self, linearised: &Linearised<'_>, errors: &mut [[f64; 3]]) {
+    pub(crate) fn displacement_errors(&self, linearised: &LinearisedFit<'_>, errors: &mut [[f64; 3]]) {
         errors.fill([0.0; 3]);
         for (column, by) in &self.moved {
             let derivative = column.displacement_derivative(linearised);

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use six_wheel_kinematics::estimate::sensitivity::{Linearised, Quantity};
+use six_wheel_kinematics::estimate::sensitivity::{LinearisedFit, Quantity};
 
 /// Something the motion answers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub enum Column {
 
 impl Column {
     /// Derivative of the displacement of a step by the wheels.
-    pub(crate) fn displacement_derivative(self, linearised: &Linearised<'_>) -> Vector3<f64> {
+    pub(crate) fn displacement_derivative(self, linearised: &LinearisedFit<'_>) -> Vector3<f64> {
         match self {
             Self::Dimension(quantity, wheel) => linearised.derivative(wheel, quantity),
             Self::Slip(wheel) => linearised.derivative(wheel, Quantity::Slip) * linearised.readings[wheel].rolled,

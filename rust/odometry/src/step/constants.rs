@@ -170,7 +170,7 @@ impl Group {
         for (which, row) in rows.into_iter().enumerate() {
             self.constant.set(which, lane, &row);
             if let Some(solution) = solution {
-                let share = rover.unshifted(&(solution * rover.shifted(&row)));
+                let share = rover.twist_at_origin(&(solution * rover.row_about_centre(&row)));
                 set(&mut self.shares[which], lane, &share);
             }
         }

@@ -8,7 +8,7 @@ use crate::motion::Motion;
 use crate::settings::Settings;
 use crate::settings::dimensions::Deviations;
 use crate::uncertainty::COLUMNS;
-use six_wheel_kinematics::estimate::sensitivity::{Linearised, Quantity};
+use six_wheel_kinematics::estimate::sensitivity::{LinearisedFit, Quantity};
 use six_wheel_kinematics::estimate::{Measured, Method, Reading, Unseen};
 use six_wheel_kinematics::geometry::sinc;
 use six_wheel_kinematics::kernels::wheel_lanes::GROUP;
@@ -91,7 +91,7 @@ impl WheelFit {
         } else {
             rover.solution(rover.normal(&self.readings, |i| self.weights[i]), Unseen::Refuse)?
         };
-        let inverse = rover.unshifted_inverse(&self.solution);
+        let inverse = rover.inverse_at_origin(&self.solution);
         self.write_rows(&inverse, constants);
         self.find_columns(rover, settings, motion, &inverse);
         if !self.deviations.is_empty() {
@@ -124,8 +124,8 @@ impl WheelFit {
     }
 
     /// The fit with all that its derivatives need. Weights are held.
-    pub fn linearised<'a>(&'a self, rover: &'a Rover, method: Method) -> Linearised<'a> {
-        Linearised {
+    pub fn linearised<'a>(&'a self, rover: &'a Rover, method: Method) -> LinearisedFit<'a> {
+        LinearisedFit {
             rover,
             readings: &self.readings,
             measured: Measured {

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use six_wheel_kinematics::estimate::Unseen;
 use six_wheel_kinematics::geometry::Twist;
-use six_wheel_kinematics::table::{Beside, Log, Source, Table};
+use six_wheel_kinematics::table::{InputTables, Log, Source, Table};
 use six_wheel_kinematics::{batch, units};
 use six_wheel_numerics::threads::workers::Workers;
 
@@ -196,7 +196,7 @@ methods! { Rover:
             Some(about) => Table::Read(about),
             None => twists.table(),
         };
-        let beside = Beside {
+        let beside = InputTables {
             previous: previous.as_ref().map(Blocks::table),
             previous_speeds: rolling.as_ref().map(Blocks::table),
             steering_rates: rates.as_ref().map(Blocks::table),

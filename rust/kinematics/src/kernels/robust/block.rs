@@ -1,4 +1,4 @@
-//! Rows of robust fits on their way, and the constants of the rover that their rounds need.
+//! Rows of robust fits that have not converged, and the constants of the rover for their rounds.
 
 use crate::kernels::normal_equations::ForwardConstants;
 use crate::kernels::readings::FitColumns;

@@ -7,17 +7,19 @@ use six_wheel_numerics::columns::{BLOCK, Column};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Change of the weights from which on Newton's method is tried, and its rounds at most.
+/// Newton's method is tried if no weight changed by more than this in the last round; and the largest number of its
+/// rounds.
 const NEAR: f64 = 0.1;
 const LEAPS: usize = 7;
 
-/// Change of the weights that would be left after the rounds it replaces, and of these rounds as many that do not count:
-/// [`SETTLED`] with room for what is not yet linear.
+/// Newton's method replaces the remaining rounds if these would, to first order, reduce the change of the weights to
+/// this: [`SETTLED`] with a margin for higher orders, and with `SPARE` of the remaining rounds not counted.
 const SURELY_SETTLED: f64 = 1e-13;
 const SPARE: usize = 8;
 
-/// Rounds after which the rows that have not settled yet try a leap, and are put together anew: some take ten times as many
-/// as most. After the first ones, those of many blocks go on together.
+/// Phases of rounds. After each, the rows that have not converged try Newton's method and are gather into full
+/// registers: some rows need ten times as many rounds as most. After the early phases, rows of many blocks are iterated
+/// together.
 pub(crate) const EARLY: [usize; 2] = [6, 8];
 pub(crate) const LATE: [usize; 4] = [12, 16, 28, 30];
 const _: () = assert!(EARLY[0] + EARLY[1] + LATE[0] + LATE[1] + LATE[2] + LATE[3] == ROUNDS);
@@ -25,8 +27,8 @@ const _: () = assert!(EARLY[0] + EARLY[1] + LATE[0] + LATE[1] + LATE[2] + LATE[3
 /// A matrix in every lane.
 type Columns<S> = [[Lanes<S>; 3]; 3];
 
-/// Puts pairs in order, one after the other. Names and not places, so that they stay in registers: through memory, this
-/// took a third of a round.
+/// Sorts pairs, one after the other. By variables and not array elements, so that they stay in registers: in memory,
+/// sorting took a third of a round.
 macro_rules! order {
     ($($low: ident $high: ident),*) => {
         $(($low, $high) = ($low.min($high), $low.max($high));)*
@@ -39,7 +41,7 @@ pub(crate) trait NormalSolver<S: Vector> {
     fn solve(&mut self, simd: S, normal: [Lanes<S>; 6], right: [Lanes<S>; 3]) -> ([Lanes<S>; 3], Mask<S>);
 }
 
-/// [`solve`]: fast, and not sure of twists that are hardly determined.
+/// Solution by minors: [`solve`]. Lanes whose twist is hardly determined count as not determined.
 pub(crate) struct ByMinors;
 
 impl<S: Vector> NormalSolver<S> for ByMinors {
@@ -49,26 +51,28 @@ impl<S: Vector> NormalSolver<S> for ByMinors {
     }
 }
 
-/// A register of rows in its rounds, of up to so many `WHEELS`.
+/// Iteratively reweighted least squares of a register of rows, with up to `WHEELS` wheels.
 #[derive(Clone, Copy)]
 pub(crate) struct IrlsIterations<S: Vector, const WHEELS: usize> {
     readings: [[Lanes<S>; 2]; WHEELS],
-    /// About the centre of the pivots, the last one a speed.
+    /// Velocity of the centre of the pivots, and yaw rate times the size of the rover [m/s].
     pub unknowns: [Lanes<S>; 3],
     pub weights: [Lanes<S>; WHEELS],
-    /// Squares of the noise at least, and of the scale of the last round [m²/s²].
+    /// Squares of the least noise, and of the scale of the last round [m²/s²].
     least: Lanes<S>,
     scale: Lanes<S>,
-    /// Of the weights, and whether the scale stayed, in the last round.
+    /// Largest change of a weight in the last round, and true where that did not change the scale.
     change: Lanes<S>,
     held: Mask<S>,
+    /// True where the weights have not converged.
     pub active: Mask<S>,
+    /// True where every round had a solution.
     pub sure: Mask<S>,
 }
 
-/// These rows of a column.
+/// Loads these rows of a column.
 #[inline(always)]
-fn gathered<S: Vector>(simd: S, column: &Column, rows: &[usize]) -> Lanes<S> {
+fn gather<S: Vector>(simd: S, column: &Column, rows: &[usize]) -> Lanes<S> {
     let mut room = [0.0; LANES];
     for (place, row) in room.iter_mut().zip(rows) {
         *place = column.0[*row % BLOCK];
@@ -77,7 +81,7 @@ fn gathered<S: Vector>(simd: S, column: &Column, rows: &[usize]) -> Lanes<S> {
 }
 
 #[inline(always)]
-fn scattered<S: Vector>(lanes: Lanes<S>, column: &mut Column, rows: &[usize]) {
+fn scatter<S: Vector>(lanes: Lanes<S>, column: &mut Column, rows: &[usize]) {
     let mut room = [0.0; LANES];
     lanes.store(S::as_mut_simd_f64s(&mut room).0, 0);
     for (value, row) in room.into_iter().zip(rows) {
@@ -87,7 +91,8 @@ fn scattered<S: Vector>(lanes: Lanes<S>, column: &mut Column, rows: &[usize]) {
 
 #[inline_always]
 impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
-    /// Rows with these readings, from the least squares with equal weights and the square of the least noise on.
+    /// Rows with these readings, starting from the unknowns of least squares with equal weights; `least` is the square
+    /// of the least noise [m²/s²].
     pub fn new(simd: S, readings: &[[Lanes<S>; 2]], unknowns: [Lanes<S>; 3], least: Lanes<S>) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         let mut rounds = Self {
@@ -107,26 +112,26 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
         rounds
     }
 
-    /// Some rows of a block, the first `count` of which are meant.
+    /// The rows of a block with the indices `chosen`, of which the first `count` are active.
     pub fn load(simd: S, wheels: usize, rows: &Block<'_>, chosen: &[usize], count: usize) -> Self {
         let mut order = [0.0; LANES];
         for (k, place) in order.iter_mut().enumerate() {
             *place = k as f64;
         }
         let order = Lanes::load(simd, S::as_simd_f64s(&order).0, 0);
-        let least = gathered(simd, &rows.least, chosen);
+        let least = gather(simd, &rows.least, chosen);
         let mut unknowns = [least; 3];
         for (unknown, column) in unknowns.iter_mut().zip(&rows.kept.unknowns) {
-            *unknown = gathered(simd, column, chosen);
+            *unknown = gather(simd, column, chosen);
         }
         let mut rounds = Self::new(simd, &[], unknowns, least);
-        rounds.scale = gathered(simd, &rows.scale, chosen);
+        rounds.scale = gather(simd, &rows.scale, chosen);
         rounds.active = order.lt(Lanes::splat(simd, count as f64));
         for i in 0..wheels {
             for (readings, column) in rounds.readings[i].iter_mut().zip(&rows.kept.readings[i]) {
-                *readings = gathered(simd, column, chosen);
+                *readings = gather(simd, column, chosen);
             }
-            rounds.weights[i] = gathered(simd, &rows.weights[i], chosen);
+            rounds.weights[i] = gather(simd, &rows.weights[i], chosen);
         }
         rounds
     }
@@ -143,21 +148,23 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
 
     pub fn store(&self, wheels: usize, rows: &mut Block<'_>, chosen: &[usize]) {
         for (unknown, column) in self.unknowns.iter().zip(&mut rows.kept.unknowns) {
-            scattered(*unknown, column, chosen);
+            scatter(*unknown, column, chosen);
         }
         for i in 0..wheels {
-            scattered(self.weights[i], &mut rows.weights[i], chosen);
+            scatter(self.weights[i], &mut rows.weights[i], chosen);
         }
-        scattered(self.scale, &mut rows.scale, chosen);
+        scatter(self.scale, &mut rows.scale, chosen);
     }
 
-    /// One round, where it has not settled. In squares of residuals and scales, with one root and few divisions: these
-    /// are what takes the time. `NEWTON` takes along how the weights follow the twist, instead of holding them.
+    /// One round in the active lanes: `w_i = (1 / (1 + r_i² / s²))²` with residuals r and scale s (Geman-McClure), and
+    /// the least squares with these weights. It is in squares of residuals and scales, with one root and few divisions,
+    /// which take most of its time. `NEWTON`: the derivatives of the weights by the twist are in the equations, which
+    /// are otherwise constant.
     pub fn round<const NEWTON: bool>(&mut self, simd: S, wheels: &[RobustWheel], solver: &mut impl NormalSolver<S>) {
         let splat = |number| Lanes::splat(simd, number);
         let (zero, one) = (splat(0.0), splat(1.0));
         let count = wheels.len();
-        // Wheels that are not there come last.
+        // Lanes without a wheel are sorted to the end.
         let mut squares = [splat(f64::MAX); WHEELS];
         for (i, wheel) in wheels.iter().enumerate() {
             squares[i] = wheel.rows.square(simd, self.readings[i], self.unknowns);
@@ -170,16 +177,16 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
             median = ((lower + median) + (twice + twice)) * splat(0.25);
         }
         let noise = (median * splat(MEDIANS * MEDIANS)).max(self.least);
-        // The first one starts at the largest residual.
+        // The scale of the first round is the largest residual.
         let first = splat(f64::MAX).lt(self.scale);
         self.scale = first.select(sorted[count - 1].max(self.least), self.scale);
         let before = self.scale;
         self.scale = before.min(noise.max(before * splat(0.25)));
         self.held = before.le(self.scale);
-        // Lanes in which nothing disagrees are not weighed.
+        // Lanes in which every residual is 0 keep their weights.
         let active = self.active & zero.lt(self.scale);
         let per_square = one / self.scale;
-        // One over each of the ratios, from one over their product.
+        // One over each ratio, from one over their product: one division.
         let (mut ratios, mut products) = ([one; WHEELS], [one; WHEELS]);
         let mut product = one;
         for i in 0..count {
@@ -226,9 +233,9 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
         self.active = active & self.sure & splat(SETTLED).lt(change);
     }
 
-    /// Rounds of Newton's method, which end where all the `left` rounds would: at this scale they come nearer to one twist
-    /// by a matrix, whose power says by how much. Where that is not far enough, or the scale would not stay, nothing is
-    /// changed.
+    /// Rounds of Newton's method, which converge to the same twist as the `left` remaining rounds: at a constant scale
+    /// each of these multiplies the error of the twist by a matrix, whose power bounds the error after all of them.
+    /// Where that bound is not small enough, or the scale would change, nothing is changed.
     pub fn newton_iterations(&mut self, simd: S, wheels: &[RobustWheel], left: usize) {
         let near = self.change.lt(Lanes::splat(simd, NEAR));
         let trusted = self.active & self.held & near & self.comes_near(simd, wheels, left);
@@ -256,7 +263,7 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
         self.active = self.active & !there;
     }
 
-    /// Lanes in which the remaining rounds are certain to settle the weights.
+    /// Lanes in which the remaining rounds would let the weights converge, by that bound.
     fn comes_near(&self, simd: S, wheels: &[RobustWheel], left: usize) -> Mask<S> {
         let splat = |number| Lanes::splat(simd, number);
         let zero = splat(0.0);
@@ -294,13 +301,13 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
         let Some([x, y, z]) = power else {
             return Mask::splat(simd, false);
         };
-        // Eigenvalues of what pulls are at least 0: their sum bounds the largest.
+        // No eigenvalue of the matrix is negative, so that its trace bounds the largest one.
         let most = x[0] + y[1] + z[2];
         sure & (self.change * most).lt(splat(SURELY_SETTLED))
     }
 }
 
-/// The numbers of each lane in order.
+/// The numbers of each lane in ascending order.
 #[inline(always)]
 fn sorted<S: Vector, const WHEELS: usize>(mut numbers: [Lanes<S>; WHEELS]) -> [Lanes<S>; WHEELS] {
     if WHEELS == MOST

@@ -16,7 +16,7 @@ pub const MAX_NEAR_INCREMENT: f64 = 84.0 * PI / 180.0;
 /// A range narrower than half a turn by more than this holds at most one solution [rad].
 const HALF_TURN_MARGIN: f64 = 1e-6;
 
-/// Overshoot of an end of the range at which the contact slides by at most half of what passes as none [rad].
+/// Overshoot of an end of the range up to which the contact slides by at most half of the tolerance of side slip [rad].
 pub const SAFE_OVERSHOOT: f64 = 5e-10;
 
 /// Constants of a wheel that turns about its pivot.
@@ -43,7 +43,7 @@ pub struct SteeredConstants {
 }
 
 impl SteeredConstants {
-    /// Nothing for a fixed wheel.
+    /// None for a fixed wheel.
     pub fn new(wheel: &Wheel, mount: Mount) -> Option<Self> {
         let (range, heading) = match mount {
             Mount::Steered(range, heading) => (range, heading),
@@ -63,7 +63,7 @@ impl SteeredConstants {
         })
     }
 
-    /// Angles beside which the range holds no other solution, whatever the present angle is [rad].
+    /// Interval of angles whose second solution is outside the range, whatever the present angle is [rad].
     pub fn single_range(&self) -> [f64; 2] {
         let SteeringRange { lower, upper } = self.range;
         if self.is_narrow {
@@ -72,7 +72,8 @@ impl SteeredConstants {
         [lower.max(upper - PI + HALF_TURN_MARGIN), upper.min(lower + PI - HALF_TURN_MARGIN)]
     }
 
-    /// Angles that need no other solution to be looked at where the present angle is 0 [rad].
+    /// Interval of angles whose second solution is outside the range, or farther from the present angle 0 and in no tie
+    /// [rad].
     pub fn near_range(&self) -> [f64; 2] {
         let SteeringRange { lower, upper } = self.range;
         let held = self.range.clip(0.0);
@@ -81,7 +82,7 @@ impl SteeredConstants {
         if single[1] - single[0] > near[1] - near[0] { single } else { near }
     }
 
-    /// The same in every lane.
+    /// The constants of this wheel in every lane.
     #[inline(always)]
     pub fn broadcast<S: Simd>(&self, simd: S) -> SteeredWheel<S> {
         let splat = |number| Lanes::splat(simd, number);
@@ -103,7 +104,8 @@ impl SteeredConstants {
     }
 }
 
-/// Terms of the wheel equation that some lane needs; in lanes without them they change no bit.
+/// Terms of the wheel equation that some lane needs; the results of other lanes are the same bits with and without
+/// them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Features {
     /// True if a heading is not straight ahead.
@@ -119,7 +121,7 @@ pub struct Features {
 /// Constants of a wheel that turns about its pivot, in every lane: of one wheel, or of as many as there are lanes.
 #[derive(Clone, Copy)]
 pub struct SteeredWheel<S: Simd> {
-    /// Forward, to the left [m].
+    /// Pivot, forward and to the left of the body's origin [m].
     pub pivot: [Lanes<S>; 2],
     /// Sine and cosine of the direction at steering angle 0.
     pub heading: [Lanes<S>; 2],
@@ -129,10 +131,10 @@ pub struct SteeredWheel<S: Simd> {
     pub single_range: [Lanes<S>; 2],
     /// See [`SteeredConstants::near_range`].
     pub near_range: [Lanes<S>; 2],
-    /// [m]
+    /// Contact to the left of the steering axis [m].
     pub scrub: Lanes<S>,
-    /// [m]
+    /// Contact behind the steering axis [m].
     pub trail: Lanes<S>,
-    /// Terms that matter.
+    /// Terms that some lane needs.
     pub features: Features,
 }

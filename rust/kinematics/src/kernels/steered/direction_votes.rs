@@ -1,37 +1,37 @@
 //! Direction ties: wheels whose two solutions are about equally near roll the same way.
 //!
-//! They keep their own solutions if they agree and stand still. Otherwise they roll as they roll already, by the sign of the sum
-//! of their present speeds, or where that is 0 the way that is shorter for all of them together.
+//! They keep their own solutions if these have the same direction and the sum of their present speeds is 0. Otherwise
+//! the sign of that sum is their direction, or where it is 0 the direction with the smaller sum of steering increments.
 
 use pulp::Simd;
 
 use crate::steering::ANGLE_TOLERANCE;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 
-/// Lanes in which wheels of a tie have a common direction, and those where that is backwards.
+/// Lanes in which wheels of a tie have a common direction, and lanes in which that is backwards.
 pub type CommonDirection<S> = Option<[Mask<S>; 2]>;
 
 /// Two solutions of a wheel that are about equally near.
 #[derive(Clone, Copy)]
 pub struct DirectionTie<S: Simd> {
-    /// True where they are.
+    /// True where both solutions are inside the range and about equally near.
     pub is_tie: Mask<S>,
-    /// True where the wheel on its own rolls backwards.
+    /// True where the wheel's own solution is backwards.
     pub is_backwards: Mask<S>,
-    /// Difference by which the solution backwards is nearer [rad].
+    /// Difference of the steering increments, forwards less backwards [rad].
     pub lead: Lanes<S>,
 }
 
 /// Sums over the wheels of a direction tie.
 #[derive(Clone, Copy)]
 pub struct DirectionVotes<S: Simd> {
-    /// Number of wheels that roll forwards on their own.
+    /// Number of wheels whose own solution is forwards.
     pub forwards: Lanes<S>,
-    /// Number of wheels that roll backwards on their own.
+    /// Number of wheels whose own solution is backwards.
     pub backwards: Lanes<S>,
-    /// Difference by which the solutions backwards are nearer [rad].
+    /// Sum of the differences of the steering increments, forwards less backwards [rad].
     pub lead: Lanes<S>,
-    /// Present speeds [rad/s].
+    /// Sum of the present speeds [rad/s].
     pub speed: Lanes<S>,
 }
 
@@ -43,7 +43,7 @@ impl<S: Simd> DirectionVotes<S> {
         Self { forwards: zero, backwards: zero, lead: zero, speed: zero }
     }
 
-    /// With one wheel more, and its present speed [rad/s].
+    /// The votes with one more wheel and its present speed [rad/s].
     #[must_use]
     pub fn with(self, tie: &DirectionTie<S>, speed: Lanes<S>) -> Self {
         let simd = speed.simd();
@@ -57,7 +57,7 @@ impl<S: Simd> DirectionVotes<S> {
         }
     }
 
-    /// Lanes with a common direction, and those where it is backwards.
+    /// Lanes with a common direction, and lanes in which it is backwards.
     pub fn common_direction(&self, simd: S) -> [Mask<S>; 2] {
         let zero = Lanes::splat(simd, 0.0);
         let is_rolling = zero.lt(self.speed.abs());

@@ -39,7 +39,8 @@ const TIE_DIFFERENCE: f64 = 10.0 * PI / 180.0;
 pub struct WheelQuery<S: Simd> {
     /// Twist of the body; `vx` is no minus zero.
     pub twist: [Lanes<S>; 3],
-    /// Bound of the rounding of pivot velocities, twice over; infinite where their squares may overflow or lose digits [m/s].
+    /// Twice the bound of the rounding error of pivot velocities; infinite where their squares may overflow or lose
+    /// digits [m/s].
     pub rounding: Lanes<S>,
     /// Present steering angle [rad]; 0 if it is not given.
     pub previous: Option<Lanes<S>>,
@@ -47,12 +48,12 @@ pub struct WheelQuery<S: Simd> {
     pub rate: Option<Lanes<S>>,
 }
 
-/// The solution in whose half plane the pivot moves, which small angles belong to.
+/// The first of the two solutions: the one within a quarter turn of steering angle 0.
 #[derive(Clone, Copy)]
 pub struct FirstSolution<S: Simd> {
     /// Velocity of the pivot in the axes of steering angle 0 [m/s].
     velocity: [Lanes<S>; 2],
-    /// Direction of the pivot's velocity or against it, within a quarter turn [rad].
+    /// Direction of the line along which the pivot moves, within a quarter turn of steering angle 0 [rad].
     pivot_heading: Lanes<S>,
     /// Steering angle [rad].
     pub angle: Lanes<S>,
@@ -81,9 +82,9 @@ struct Candidate<S: Simd> {
     angle: Lanes<S>,
     /// Distance by which the range ends short of the angle [rad].
     overshoot: Lanes<S>,
-    /// Overshoot that is no rounding [rad].
+    /// Overshoot beyond [`ANGLE_TOLERANCE`] [rad].
     excess: Lanes<S>,
-    /// Distance that the wheel has to turn [rad].
+    /// Distance from the present steering angle [rad].
     increment: Lanes<S>,
 }
 
@@ -104,7 +105,7 @@ impl<S: Simd> SteeredWheel<S> {
         [cos * x + sin * y, cos * y - sin * x]
     }
 
-    /// True where the pivot's velocity is nothing but rounding of what it is the sum of.
+    /// True where the pivot's velocity is within the rounding error of the terms of its sum.
     pub fn is_at_rest(&self, twist: [Lanes<S>; 3]) -> Mask<S> {
         let [x, y] = self.body_velocity(twist);
         let [vx, vy, omega] = twist.map(Lanes::abs);
@@ -112,7 +113,7 @@ impl<S: Simd> SteeredWheel<S> {
         x.abs().max(y.abs()).le(Lanes::splat(vx.simd(), REST) * terms)
     }
 
-    /// The solution in the half plane in which the pivot moves.
+    /// The first solution. It is final where the pivot moves and the second one is outside the range or farther away.
     pub fn first_solution(&self, simd: S, query: &WheelQuery<S>) -> FirstSolution<S> {
         let [x, y] = self.velocity(query.twist);
         let (along, across) = (x.abs(), y.abs());
@@ -142,7 +143,7 @@ impl<S: Simd> SteeredWheel<S> {
         FirstSolution { velocity: [x, y], pivot_heading, angle, rim_speed, is_final }
     }
 
-    /// The motion of the wheel, of two about equally near ones the common one where there is one.
+    /// The motion of the wheel by both solutions; in a direction tie in the common direction, if there is one.
     pub fn solve(
         &self,
         simd: S,
@@ -184,7 +185,7 @@ impl<S: Simd> SteeredWheel<S> {
         }
     }
 
-    /// Rim speed of a castor that has swung in behind its pivot, whichever way the heading counts [m/s].
+    /// Rim speed of a castor that trails behind its moving pivot [m/s]. It does not depend on the heading.
     pub fn castor_rim_speed(&self, simd: S, twist: [Lanes<S>; 3]) -> Lanes<S> {
         let zero = Lanes::splat(simd, 0.0);
         let query = WheelQuery { twist, rounding: zero, previous: None, rate: None };
@@ -201,7 +202,7 @@ impl<S: Simd> SteeredWheel<S> {
         if self.features.has_trail { slip - self.trail * self.turn_rate(query) } else { slip }
     }
 
-    /// Both solutions but for the direction, scaled so that squares neither overflow nor lose digits.
+    /// The terms that both solutions have in common, scaled so that squares neither overflow nor lose digits.
     fn rolling(&self, simd: S, query: &WheelQuery<S>, [x, y]: [Lanes<S>; 2]) -> Rolling<S> {
         let splat = |number| Lanes::splat(simd, number);
         let (zero, one) = (splat(0.0), splat(1.0));
@@ -231,12 +232,13 @@ impl<S: Simd> SteeredWheel<S> {
         rolling
     }
 
-    /// Rim speed that is left after the share of scrub.
+    /// Rim speed from the speed of the contact's path: `rolled - scrub (omega + phi')` [m/s].
     fn without_scrub(&self, rolled: Lanes<S>, turn_rate: Lanes<S>) -> Lanes<S> {
         if self.features.has_scrub { rolled - self.scrub * turn_rate } else { rolled }
     }
 
-    /// The angle plus the whole turns that bring it nearest to the present one, but into the range if any do.
+    /// The angle plus whole turns: inside the range if some number of turns brings it there, and nearest to the present
+    /// angle.
     fn candidate(&self, simd: S, angle: Lanes<S>, held: Lanes<S>) -> Candidate<S> {
         let splat = |number| Lanes::splat(simd, number);
         let [lower, upper] = self.range;
@@ -247,7 +249,7 @@ impl<S: Simd> SteeredWheel<S> {
         let is_above = tolerance.lt(above);
         let is_outside = is_above | tolerance.lt(below);
         let turned = is_above.select(near - turn, near + turn);
-        // A range narrower than a turn may hold neither: then the nearer end decides.
+        // If the range holds neither, the one with the smaller overshoot.
         let beyond = is_above.select(lower - turned, turned - upper);
         let short = is_above.select(above, below);
         let angle = (is_outside & beyond.le(tolerance.max(short))).select(turned, near);
@@ -275,23 +277,23 @@ impl<S: Simd> SteeredWheel<S> {
     }
 }
 
-/// The part that both solutions have in common, scaled by a power of two.
+/// Terms of both solutions, scaled by a power of two.
 struct Rolling<S: Simd> {
-    /// Speed of the contact along the wheel, either way.
+    /// `sqrt(|u|^2 - trail^2 (omega + phi')^2)`, scaled.
     speed: Lanes<S>,
-    /// Rate at which the wheel turns about its pivot.
+    /// Rate at which the wheel turns about its pivot, `omega + phi'`, scaled.
     turn_rate: Lanes<S>,
     /// Angle between the wheel and its pivot's velocity, beta [rad].
     trail_angle: Lanes<S>,
-    /// True if the pivot is as fast as the contact swings about it.
+    /// True if `|u| >= |trail (omega + phi')|`, so that an angle without side slip exists.
     is_solvable: Mask<S>,
     /// True where the first solution rolls forwards.
     is_forwards: Mask<S>,
-    /// Factor that takes the scale away.
+    /// One over the scale.
     unscale: Lanes<S>,
 }
 
-/// Rim speed of a castor that has swung in behind its pivot [m/s].
+/// Rim speed of a castor that trails behind its moving pivot [m/s].
 pub fn castor_rim_speed(wheel: &Wheel, heading: Direction, twist: Twist) -> f64 {
     let castor = SteeredConstants::new(wheel, Mount::Castor(heading));
     castor.map_or(0.0, |castor| Level::Scalar.run_any(OneCastor { castor, twist: twist.into() }))
