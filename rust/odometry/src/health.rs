@@ -9,11 +9,11 @@ use six_wheel_numerics::error::{Error, number};
 pub struct Health(pub u32);
 
 impl Health {
-    /// Nothing to report.
+    /// No flag.
     pub const GOOD: Self = Self(0);
-    /// It is the reference from which the next one counts.
+    /// It is the first one: the reference of the next step.
     pub const FIRST: Self = Self(1);
-    /// It came after more than the longest gap; the way in between is one arc.
+    /// It came after more than the longest gap; the motion in between is one arc.
     pub const GAP: Self = Self(2);
     /// A counter started over.
     pub const WRAPPED: Self = Self(4);
@@ -21,22 +21,23 @@ impl Health {
     pub const SLIP: Self = Self(8);
     /// Left out: a reading is not a finite number.
     pub const NOT_FINITE: Self = Self(16);
-    /// Left out: its stamp is that of the sample before.
+    /// Left out: its stamp equals that of the sample before.
     pub const DUPLICATE: Self = Self(32);
-    /// Left out: its stamp is before that of the sample before.
+    /// Left out: its stamp is less than that of the sample before.
     pub const BACKWARDS: Self = Self(64);
-    /// Left out: the rover would have moved faster than it can.
+    /// Left out: its step exceeds the largest speed or steering rate of the rover.
     pub const JUMP: Self = Self(128);
     /// Left out: its wheels do not determine the motion.
     pub const UNDETERMINED: Self = Self(256);
-    /// A counter started at zero again, or the clock or the counters went on from another value for good and this sample
-    /// follows the one left out before.
+    /// A counter restarted at zero; or the clock or the counters changed their zero, and this sample is consistent with
+    /// the one left out before.
     pub const RESTARTED: Self = Self(512);
-    /// Left out: the attitude is that of a rover that does not stand on its wheels.
+    /// Left out: the attitude is that of an overturned rover.
     pub const OVERTURNED: Self = Self(1024);
-    /// It does not settle on the ground there; the pose goes by joints and attitude, or on as it went.
+    /// The rover does not settle on the ground there; the pose is integrated by joints and attitude, or by the last
+    /// attitude.
     pub const UNSETTLED: Self = Self(2048);
-    /// Left out: it does not settle on the ground there, and nothing else says how its wheels stand.
+    /// Left out: the rover does not settle on the ground there, and no other reading gives its attitude.
     pub const OFF_GROUND: Self = Self(4096);
 
     /// Flags of samples that were left out.

@@ -1,5 +1,5 @@
-//! The last samples with the states after them, so that a pose from outside may come late: the state goes back to the
-//! sample of its instant, is corrected, and the samples after it are integrated again.
+//! The last samples with the states after them, for poses from outside that come late: the state is restored at the
+//! sample of the pose's instant and corrected, and the samples after it are integrated again.
 //!
 //! The same history serves poses in the plane and in space: `R` holds the readings of a step, `S` is the state after it, `P`
 //! a pose from outside with its covariance.
@@ -11,7 +11,7 @@ use six_wheel_numerics::error::{Error, ErrorKind, number};
 
 /// Part of a history entry, copied without allocation.
 pub trait Snapshot: Clone {
-    /// Takes the value of another one of the same size.
+    /// Copies another one of the same size.
     fn copy_from(&mut self, other: &Self);
 
     /// Bytes that it holds on the heap, at most.
@@ -33,7 +33,7 @@ pub struct HistoryEntry<R, S> {
     pub state: S,
 }
 
-/// A pose from outside, brought to the stamp of an entry.
+/// A pose from outside, propagated to the stamp of an entry.
 #[derive(Clone, Copy, Debug)]
 struct Correction<P> {
     entry: u64,
@@ -45,17 +45,18 @@ struct Correction<P> {
 pub struct Instant<'a, S> {
     /// Number of the first entry at or after it, or of the last one; None where no entry is kept.
     pub number: Option<u64>,
-    /// State of the entry, whose twist is held from or to the instant; that after the last sample where none is kept.
+    /// State of the entry, from or to which its twist is constant; the state after the last sample where no entry is
+    /// kept.
     pub state: &'a S,
     /// Time of that state [s].
     pub stamp: f64,
 }
 
-/// Samples for which there is memory from the start.
+/// Samples for which memory is reserved at the start.
 const INITIAL_CAPACITY: usize = 1024;
 
-/// A ring of samples. Its memory for the first [`INITIAL_CAPACITY`] is reserved at the start, and doubled as more have to
-/// be kept.
+/// A ring buffer of samples. Its memory is reserved for [`INITIAL_CAPACITY`] samples at the start, and doubled when it
+/// is full.
 #[derive(Clone, Debug)]
 pub struct History<R, S, P> {
     /// Entry `k` at index `(k - base) % capacity`, those from `first` to `next`.
@@ -66,9 +67,11 @@ pub struct History<R, S, P> {
     base: u64,
     first: u64,
     next: u64,
-    /// Samples to keep at most.
+    /// Largest capacity.
     limit: usize,
+    /// Largest delay of a pose [s].
     lag: f64,
+    /// Duration of the last step [s]; 0 if there was none.
     last_dt: f64,
 }
 
@@ -90,7 +93,7 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
         }
     }
 
-    /// Makes all entries now, with the memory on the heap that each of them holds, so that no sample allocates.
+    /// Makes all entries with the memory on the heap that each of them holds, so that no sample allocates.
     #[must_use]
     pub fn filled(mut self, readings: &R, state: &S) -> Self {
         let entry = HistoryEntry { stamp: 0.0, dt: 0.0, readings: readings.clone(), state: state.clone() };
@@ -98,7 +101,7 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
         self
     }
 
-    /// Forgets every entry and correction.
+    /// Removes every entry and correction.
     #[inline]
     pub fn clear(&mut self) {
         self.first = self.next;
@@ -120,7 +123,7 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
         &self.entries[self.index(number)]
     }
 
-    /// Makes room for one more sample at this stamp, without dropping one inside the lag. Fails where there is none.
+    /// Enlarges the memory if a sample at this stamp would replace one inside the lag. Fails if there is not enough.
     #[inline]
     pub fn make_room(&mut self, stamp: f64) -> Result<(), Error> {
         let is_full = self.capacity > 0 && self.next - self.first == self.capacity as u64;
@@ -130,14 +133,15 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
         self.double_capacity()
     }
 
-    /// True if samples may fail, `strict` or for want of memory. Fails unless there is memory for a copy of all of it then.
+    /// True if an update may fail: with `strict`, or while the memory may have to be enlarged. Fails if an update may
+    /// fail and there is no memory for a copy.
     pub fn needs_copy(&self, strict: bool) -> Result<bool, Error> {
         let may_fail = strict || self.capacity < self.limit;
         if may_fail { self.check_room(self.entries.len()).map(|()| true) } else { Ok(false) }
     }
 
-    /// Fails unless there is memory for `more` entries and the memory that each of them holds. It is asked for in one piece and
-    /// given back, so that small requests do not fail later.
+    /// Fails unless there is memory for `more` entries with what each of them holds on the heap. It is reserved in one
+    /// piece and released, so that small allocations do not fail later.
     fn check_room(&self, more: usize) -> Result<(), Error> {
         let Some(entry) = self.entries.first() else {
             return Ok(());
@@ -153,9 +157,9 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
     #[cold]
     fn double_capacity(&mut self) -> Result<(), Error> {
         let grown = self.limit.min(2 * self.capacity);
-        // The entries move to a larger piece of memory, and the new ones are made.
+        // Memory for the entries that are moved, and for the new ones.
         self.check_room(2 * grown)?;
-        // The oldest first, from which the others count on.
+        // The oldest entry becomes index 0.
         let oldest = self.index(self.first);
         self.entries.rotate_left(oldest);
         (self.base, self.capacity) = (self.first, grown);
@@ -167,8 +171,8 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
         self.entry(entry).stamp < stamp - self.lag
     }
 
-    /// Keeps a sample with the state after it; the oldest one makes room. `write` gets the readings of an entry to
-    /// overwrite, `make` makes new ones.
+    /// Adds a sample `[stamp, dt]` [s] with the state after it, in place of the oldest one if the ring is full. `write`
+    /// overwrites the readings of an entry, `make` makes new ones.
     #[inline]
     pub fn push(&mut self, [stamp, dt]: [f64; 2], state: &S, make: impl FnOnce() -> R, write: impl FnOnce(&mut R)) {
         self.last_dt = dt;
@@ -223,9 +227,9 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
         Ok(Instant { number: Some(number), state, stamp: *stamp })
     }
 
-    /// Goes back to an entry, corrects it by a pose, and integrates the samples after it again, with the poses that came for
-    /// them. `integrate` makes the step from one entry to the next, `correct` is the correction at an entry. The pose is
-    /// remembered; the oldest one makes room.
+    /// Restores the state of an entry, corrects it by a pose, and integrates the samples after it again, with the
+    /// corrections at them. `integrate` makes the step from one entry to the next, `correct` is the correction at an
+    /// entry. The pose is stored, in place of the oldest one if there are too many.
     pub fn correct(
         &mut self,
         number: u64,
@@ -248,10 +252,10 @@ impl<R: Snapshot, S: Snapshot, P: Copy> History<R, S, P> {
             }
             self.entries[index].state.copy_from(state);
         }
-        self.remember(Correction { entry: number, pose });
+        self.push_correction(Correction { entry: number, pose });
     }
 
-    fn remember(&mut self, correction: Correction<P>) {
+    fn push_correction(&mut self, correction: Correction<P>) {
         let is_full = self.corrections.len() >= self.limit || self.corrections.try_reserve(1).is_err();
         if is_full && self.corrections.pop_front().is_none() {
             return;

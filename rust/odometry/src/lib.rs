@@ -1,4 +1,4 @@
-//! Dead reckoning that knows its error, in the plane, and factors of it for graphs.
+//! Dead reckoning in the plane with its covariance, and pre-integrated factors for graphs.
 
 #[macro_use]
 extern crate six_wheel_numerics;

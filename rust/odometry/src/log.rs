@@ -1,8 +1,9 @@
 //! Steps of a log: the lanes of a register are successive steps.
 //!
-//! Every sum over wheels has as many parts as that of a sample ([`crate::step::sums`]), wheel by wheel the same one, added in
-//! the same order. What depends on the step before goes from row to row in between: angles of joints and the heading, which
-//! are sums, and at the end the pose and its covariance. So a row's bits are those of a sample alone.
+//! Every sum over wheels has the parts of the sum of one sample ([`crate::step::sums`]), each with the same wheels,
+//! added in the same order. Quantities that depend on the step before are computed row by row: angles of joints and the
+//! heading, which are sums, and at the end the pose and its covariance. So the bits of a row are those of an update by
+//! one sample.
 
 mod block;
 mod body;
@@ -27,8 +28,8 @@ use six_wheel_numerics::columns::BLOCK;
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Goes over the places of the wheels in parts, as the lanes of a sample's registers do, `$of` each group; `$done` after each
-/// part.
+/// Loop over the wheels of each part of a sum, as the lanes of a sample's registers add them: over the first `$of`
+/// (count or steered) lanes of each group; `$done` after each part.
 macro_rules! in_parts {
     ($constants: ident, $of: ident, |$part: ident, $g: ident, $group: ident, $place: ident| $each: block, $done: block) => {
         for $part in 0..PARTS {
@@ -45,8 +46,8 @@ macro_rules! in_parts {
 }
 use in_parts;
 
-/// Integrates rows of a log, from these angles of the joints on, until the first in which something has to be checked. Only
-/// the state and the noise of the last step change.
+/// Integrates rows of a log from these angles of the joints [rad], until the first one whose readings have to be
+/// checked. Only the state and the noise of the last step change.
 pub(crate) struct LogIntegrator<'a> {
     pub constants: &'a StepConstants,
     pub rows: Rows<'a>,
@@ -101,7 +102,7 @@ impl Kernel for LogIntegrator<'_> {
     }
 }
 
-/// Headings at the start of every step, yaws at their ends, and the errors of readings before the first step.
+/// Writes headings at the start of every step, yaws at their ends, and the errors of readings before the first step.
 #[inline(always)]
 fn load_state(state: &mut State, has_gyroscope: bool, count: usize, scratch: &mut BlockScratch, block: &mut LogBlock) {
     for k in 0..count.min(BLOCK) {
@@ -135,7 +136,7 @@ fn propagate_bias(rows: &Rows<'_>, count: usize, block: &mut LogBlock, state: &m
     }
 }
 
-/// Sums that go from row to row: the position, and the settled part of the covariance.
+/// Sums from row to row: the position, and the settled part of the covariance.
 #[inline(always)]
 fn accumulate_poses(count: usize, block: &mut LogBlock, state: &mut State) {
     let uncertainty = &mut state.uncertainty;
@@ -156,7 +157,7 @@ fn accumulate_poses(count: usize, block: &mut LogBlock, state: &mut State) {
     }
 }
 
-/// Errors of readings and the twist after the last step.
+/// Sets the errors of readings and the twist of the state after the last step.
 #[inline(always)]
 fn store_state(rows: &Rows<'_>, last: usize, scratch: &BlockScratch, block: &LogBlock, state: &mut State) {
     for (ends, carried) in scratch.ends.iter().zip(&mut state.uncertainty.carried) {

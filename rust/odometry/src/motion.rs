@@ -1,9 +1,9 @@
 //! Measurements of one step of odometry.
 
-/// Standard deviations of disagreement above which a wheel is flagged as slipping.
+/// A wheel is flagged as slipping if its residual exceeds this many standard deviations.
 pub const SUSPICIOUS: f64 = 4.0;
 
-/// Share of a wheel's distance below which a residual is rounding.
+/// A residual below this share of the largest distance of a wheel is rounding.
 pub const ROUNDING: f64 = 1e-9;
 
 /// Measurements of one step.
@@ -13,7 +13,7 @@ pub(crate) struct Motion<'a> {
     pub steering: [&'a [f64]; 2],
     /// Rotation of every wheel [rad].
     pub turned: &'a [f64],
-    /// True if that is the mean of readings at its start and end, which other steps share.
+    /// True if rotations are means of rates at start and end, whose errors the neighbouring steps share.
     pub from_rates: bool,
     /// Duration [s].
     pub dt: f64,

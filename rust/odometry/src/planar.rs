@@ -1,8 +1,8 @@
-//! Dead reckoning with covariance: the pose by the readings of the wheels, and its error.
+//! Dead reckoning with covariance: the pose from the readings of the wheels, and its error.
 //!
-//! [`Odometry`] is one visible struct of state, stepped by one method. A step is exact: the displacement that fits
-//! the turns of all wheels best, at the steering angles of its middle, is held as one arc ([`Twist::exp`]). Its
-//! covariance comes from the analytic derivatives of that fit (`estimate::sensitivity`).
+//! [`Odometry`] holds the whole state. A step is one arc ([`Twist::exp`]) with the displacement that fits the rotations
+//! of all wheels best in least squares, at the steering angles of its middle. Its covariance follows from the analytic
+//! derivatives of that fit (`estimate::sensitivity`).
 
 mod correct;
 mod direct;
@@ -24,17 +24,20 @@ use six_wheel_kinematics::geometry::{Pose, PoseAccumulator, Twist};
 use six_wheel_kinematics::rover::{Inputs, Rover};
 use six_wheel_numerics::error::{Error, HUGE, finite};
 
-/// The sample from which the next one counts.
+/// The sample at which the next step starts.
 #[derive(Clone, Debug)]
 pub struct ReferenceSample {
     /// True if there is one.
     pub(crate) known: bool,
+    /// [s]
     pub(crate) stamp: f64,
+    /// As the encoders count.
     pub(crate) wheels: Vec<f64>,
-    /// As read.
+    /// As the encoders count.
     pub(crate) steering: Vec<f64>,
-    /// Whole turns kept [rad].
+    /// Steering angles, with whole turns [rad].
     pub(crate) angles: Vec<f64>,
+    /// [rad/s]
     pub(crate) yaw_rate: Option<f64>,
 }
 
@@ -45,7 +48,9 @@ pub(crate) struct StepReadings {
     pub(crate) angles: Vec<f64>,
     /// Rotation of every wheel [rad].
     pub(crate) turned: Vec<f64>,
+    /// Absolute yaw at its end [rad].
     pub(crate) yaw: Option<f64>,
+    /// Yaw increment of the gyroscope, less that by its bias [rad].
     pub(crate) gyro_turn: Option<f64>,
 }
 
@@ -74,7 +79,7 @@ pub(crate) struct PoseMeasurement {
     pub(crate) covariance: Matrix3<f64>,
 }
 
-/// Dead reckoning of one rover: its pose, its motion, and how far they may be off.
+/// Dead reckoning of one rover: its pose, its motion, and their covariances.
 #[derive(Clone, Debug)]
 pub struct Odometry {
     pub(crate) rover: Rover,
@@ -93,7 +98,7 @@ pub struct Odometry {
 }
 
 impl Odometry {
-    /// At the origin, waiting for a first sample.
+    /// At the origin, without a sample.
     pub fn new(rover: Rover, settings: Settings) -> Result<Self, Error> {
         settings.check(&rover)?;
         let from_rates = settings.readings == Readings::Speeds;
@@ -145,7 +150,7 @@ impl Odometry {
         self.state.pose()
     }
 
-    /// Mean twist over the last step, in body axes.
+    /// Mean twist over the last step, in body axes [m/s, m/s, rad/s].
     #[inline]
     pub fn twist(&self) -> Twist {
         self.state.twist
@@ -163,8 +168,8 @@ impl Odometry {
         self.state.uncertainty.reported().matrix().into()
     }
 
-    /// Covariance of the twist over the last step, in body axes. Where no step has been made since the first sample, a
-    /// command or a pose from outside, nothing is known of the twist: variances are infinite.
+    /// Covariance of the twist over the last step, in body axes. Variances are infinite if no step has been made since
+    /// the first sample, a command or a pose from outside.
     #[inline]
     pub fn twist_covariance(&self) -> [[f64; 3]; 3] {
         let [_, upper] = self.upper_halves();
@@ -176,7 +181,7 @@ impl Odometry {
     pub fn upper_halves(&self) -> [[f64; 6]; 2] {
         let dt = self.history.last_duration();
         let pose = self.state.uncertainty.reported();
-        // Infinite where there was no step, or one too short to say how fast anything was.
+        // Infinite where there was no step, or `1 / dt²` overflows.
         let rate = 1.0 / (dt * dt);
         let twist = if rate == f64::INFINITY {
             [f64::INFINITY, 0.0, 0.0, f64::INFINITY, 0.0, f64::INFINITY]
@@ -227,7 +232,7 @@ impl Odometry {
         Some([bias.value, bias.variance.sqrt()])
     }
 
-    /// Goes on from this pose; the readings count on from the last sample.
+    /// Sets the pose; the next step starts at the last sample.
     #[inline]
     pub fn set_pose(&mut self, pose: Pose, covariance: [[f64; 3]; 3]) -> Result<(), Error> {
         let covariance = check_covariance(covariance)?;
@@ -239,7 +244,7 @@ impl Odometry {
         Ok(())
     }
 
-    /// Forgets every reading: the next sample is a first one. The pose stays.
+    /// Discards every reading, so that the next sample is a first one. The pose stays.
     pub fn forget(&mut self) {
         self.reference.known = false;
         self.reference.yaw_rate = None;
@@ -254,8 +259,7 @@ impl Odometry {
         self.skipped.clear();
     }
 
-    /// Open loop: the rover is taken to have held a commanded twist since the last stamp. The next sample is a
-    /// first one.
+    /// Open loop: integrates a commanded twist, held constant since the last stamp. The next sample is a first one.
     pub fn command(&mut self, twist: Twist, stamp: f64) -> Result<Health, Error> {
         finite("twist", &<[f64; 3]>::from(twist))?;
         finite("stamp", &[stamp])?;

@@ -4,8 +4,8 @@
 //! The motion is `delta = begin_from_end`. Errors and derivatives are in the tangent space of its end,
 //! `delta exp(e)`, with e in axes of the body at the end: x [m], y [m], yaw [rad], or all six in space.
 //!
-//! The motion in the plane is that of [`Odometry`], step by step. All that is asked for less often is worked out from
-//! the samples when it is ([`replay`]).
+//! The motion in the plane is that of [`Odometry`], step by step. Motions in space, cut steps and derivatives are
+//! computed from the samples on request ([`replay`]).
 
 mod replay;
 mod samples;
@@ -29,7 +29,7 @@ use space::{Motion3, right_jacobian};
 /// Rows of a tangent in the plane among those in space.
 pub const PLANE: [usize; 3] = [0, 1, 5];
 
-/// Deviation of a quaternion's length from 1 that is taken for rounding of whoever wrote it.
+/// Deviation of a quaternion's length from 1 up to which it is normalised, as rounded to few digits.
 const UNIT: f64 = 1e-2;
 
 /// Frame in which the errors of a motion are expressed.
@@ -60,12 +60,12 @@ pub struct PreintegrationOptions {
 #[derive(Clone, Debug)]
 pub struct Preintegrated {
     options: PreintegrationOptions,
-    /// Before any sample.
+    /// Odometry before any sample.
     fresh: Odometry,
-    /// After all of them, in the plane.
+    /// Odometry after all samples, in the plane.
     odometry: Odometry,
     samples: Samples,
-    /// Shares of the first and of the last step at which it begins and ends.
+    /// Fractions of the first and of the last step at which the motion begins and ends, 0 to 1.
     begins: f64,
     ends: f64,
 }
@@ -75,11 +75,11 @@ pub struct Preintegrated {
 pub struct Residual {
     /// `log(delta⁻¹ pose_i⁻¹ pose_j)`
     pub error: Vector6<f64>,
-    /// By `pose_i exp(e)`.
+    /// Derivative of `error` by e in `pose_i exp(e)`.
     pub by_first: Matrix6<f64>,
-    /// By `pose_j exp(e)`.
+    /// Derivative of `error` by e in `pose_j exp(e)`.
     pub by_second: Matrix6<f64>,
-    /// By a change `e` of the motion, `delta exp(e)`.
+    /// Derivative of `error` by a change e of the motion, `delta exp(e)`.
     pub by_motion: Matrix6<f64>,
 }
 
@@ -103,7 +103,7 @@ impl Preintegrated {
         Ok(Self { fresh: odometry.clone(), odometry, options, samples: Samples::default(), begins: 0.0, ends: 1.0 })
     }
 
-    /// The samples, and the shares of the first and of the last step at which the motion begins and ends.
+    /// The samples, and the fractions of the first and of the last step at which the motion begins and ends.
     pub fn samples(&self) -> (&Samples, [f64; 2]) {
         (&self.samples, [self.begins, self.ends])
     }
@@ -158,8 +158,8 @@ impl Preintegrated {
         Some([at(0, self.begins), ends])
     }
 
-    /// Takes in a sample, with the attitude `world_from_body` as a quaternion x, y, z, w in space. On failure nothing
-    /// has changed.
+    /// Adds a sample, in space with the attitude `world_from_body` as a quaternion x, y, z, w. On failure nothing has
+    /// changed.
     #[inline]
     pub fn add(&mut self, sample: Sample<'_>, attitude: Option<[f64; 4]>) -> Result<(), Error> {
         if self.ends < 1.0 {
@@ -197,7 +197,7 @@ impl Preintegrated {
         }
     }
 
-    /// Takes in all rows of a log, or none of them.
+    /// Adds all rows of a log, or none of them.
     pub fn add_log(
         &mut self,
         log: Recording<'_>,
@@ -219,7 +219,7 @@ impl Preintegrated {
         Ok(())
     }
 
-    /// Makes room for more samples.
+    /// Reserves memory for more samples.
     fn reserve(&mut self, more: usize) -> Result<(), Error> {
         let (wheels, joints) = (self.rover().wheels().len(), self.rover().steered().len());
         let samples = &mut self.samples;
@@ -235,7 +235,7 @@ impl Preintegrated {
         })
     }
 
-    /// Forgets all samples but those before this many, as after a failure.
+    /// Removes all samples after the first `count`, as after a failure.
     fn truncate(&mut self, count: usize) -> Result<(), Error> {
         if count < self.len() {
             *self = self.part(0..count, self.begins, self.ends)?;
@@ -255,7 +255,7 @@ impl Preintegrated {
         }
     }
 
-    /// The same over some of its samples.
+    /// The motion over some of its samples.
     fn part(&self, rows: std::ops::Range<usize>, begins: f64, ends: f64) -> Result<Self, Error> {
         let mut part = Self {
             options: self.options.clone(),
@@ -269,7 +269,7 @@ impl Preintegrated {
         Ok(part)
     }
 
-    /// Takes in samples that another one has taken in.
+    /// Adds samples of another motion.
     fn append(&mut self, other: &Self, rows: std::ops::Range<usize>) -> Result<(), Error> {
         self.reserve(rows.len())?;
         for k in rows {
@@ -306,7 +306,7 @@ impl Preintegrated {
         Ok([first, self.part(at..last + 1, share, self.ends)?])
     }
 
-    /// This motion and the one that follows it, as one: the same as if all samples had come to one place.
+    /// This motion and the one that follows it as one motion, equal to that of all their samples.
     pub fn merge(&self, next: &Self) -> Result<Self, Error> {
         let same = self.options == next.options && self.rover() == next.rover();
         if !same {
@@ -316,7 +316,7 @@ impl Preintegrated {
         let (Some([_, end]), Some([begin, _])) = (self.span(), next.span()) else {
             return Ok(if self.is_empty() { next } else { self }.clone());
         };
-        // Samples both hold: the one between two steps, or both ends of a step that was cut.
+        // Samples that both motions hold: the one between two steps, or both ends of a step that was cut.
         let shared = if self.ends < 1.0 { 2 } else { 1 };
         let fits = end == begin
             && next.len() >= shared
@@ -348,13 +348,13 @@ impl Preintegrated {
         !self.options.in_space && self.begins == 0.0 && self.ends == 1.0
     }
 
-    /// The motion in the plane with its full turns; None where it has to be worked out by [`Self::replay`].
+    /// The motion in the plane, yaw with full turns; None if it is one of [`Self::replay`].
     #[inline]
     pub fn pose(&self) -> Option<Pose> {
         self.is_plain().then(|| self.odometry.pose())
     }
 
-    /// Covariance in the plane, in coordinates; None where it has to be worked out by [`Self::replay`].
+    /// Covariance in the plane, in coordinates; None if it is one of [`Self::replay`].
     #[inline]
     pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
         self.is_plain().then(|| self.odometry.covariance())
@@ -365,15 +365,15 @@ impl Residual {
     /// Residual of two poses against a motion that is changed by `exp(change)` at its end.
     #[inline]
     pub fn of(motion: &Motion3, change: &Vector6<f64>, [first, second]: [&Motion3; 2]) -> Self {
-        let seen = first.inverse().compose(second);
-        let left = motion.inverse().compose(&seen);
-        let error = Motion3::exp(&-change).compose(&left).log();
+        let between = first.inverse().compose(second);
+        let difference = motion.inverse().compose(&between);
+        let error = Motion3::exp(&-change).compose(&difference).log();
         let inverse = right_jacobian(&error).try_inverse().unwrap_or_else(Matrix6::identity);
         Self {
             error,
-            by_first: -inverse * seen.inverse().adjoint(),
+            by_first: -inverse * between.inverse().adjoint(),
             by_second: inverse,
-            by_motion: -inverse * left.inverse().adjoint() * right_jacobian(&-change),
+            by_motion: -inverse * difference.inverse().adjoint() * right_jacobian(&-change),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Equations by which errors propagate through a step, in every lane.
+//! Propagation of errors through a step, in every lane.
 
 pub(crate) mod arc;
 pub(crate) mod covariance;

@@ -1,4 +1,4 @@
-//! Samples as they are read: one or all of a log, their increments, and those that were left out.
+//! Samples of wheels and joints: one or all of a log, their increments, and those that were left out.
 
 pub mod increments;
 pub mod recording;

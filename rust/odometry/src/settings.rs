@@ -14,7 +14,7 @@ use six_wheel_kinematics::estimate::Method;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_numerics::error::{Error, not_negative, number};
 
-/// Slip that is flagged where the noise is the typical one, which nobody measured on this rover [m/s].
+/// Slip that is flagged if the noise is the default one, not measured on this rover [m/s].
 const TYPICAL_SLIP: f64 = 0.05;
 
 /// Kind of the readings of the wheels.
@@ -34,11 +34,12 @@ pub enum Readings {
 pub struct Settings {
     /// Standard deviations of readings and slip.
     pub noise: Noise,
-    /// The gyroscope whose rates come with the samples, its bias a state; None: rates are as the noise says.
+    /// The gyroscope whose rates come with the samples, with its bias as a state; None: the deviation of rates is that
+    /// of `noise`.
     pub gyroscope: Option<Gyroscope>,
     /// Factor of the slip noise of each wheel; empty: all 1.
     pub wheel_noise: Vec<f64>,
-    /// Errors of the dimensions; none: they are known.
+    /// Errors of the dimensions; empty: they are exact.
     pub dimensions: Deviations,
     /// Kind of the readings of the wheels.
     pub readings: Readings,
@@ -63,7 +64,7 @@ pub struct Settings {
     pub smoothing: f64,
     /// Largest delay of a pose from outside [s].
     pub lag: f64,
-    /// Samples that are kept for that at most.
+    /// Largest number of samples that are kept for late poses.
     pub history: usize,
 }
 
@@ -100,7 +101,7 @@ impl Settings {
         Ok(())
     }
 
-    /// The same for these numbers of wheels and steering joints.
+    /// [`Self::check`] for these numbers of wheels and steering joints.
     pub fn check_for(&self, wheels: usize, joints: usize) -> Result<(), Error> {
         self.noise.check()?;
         self.gyroscope.map_or(Ok(()), |known| known.check())?;
@@ -136,7 +137,7 @@ impl Settings {
 }
 
 impl Settings {
-    /// Variance that the random walk of the gyroscope's bias adds in so long [rad²/s²].
+    /// Variance that the random walk of the gyroscope's bias adds in `dt` [rad²/s²].
     #[inline]
     pub(crate) fn bias_variance_increment(&self, dt: f64) -> f64 {
         let walk = self.gyroscope.map_or(0.0, |known| known.bias_walk);
@@ -149,17 +150,17 @@ impl Settings {
         self.gyroscope.map_or(self.noise.yaw_rate, |known| known.noise)
     }
 
-    /// Standard deviation of the factor that the gyroscope's turns are off by.
+    /// Standard deviation of the scale factor of the gyroscope.
     pub(crate) fn scale_noise(&self) -> f64 {
         self.gyroscope.map_or(0.0, |known| known.scale_noise)
     }
 
-    /// Number of errors that stay the same all along: those of the dimensions, then the gyroscope's scale.
+    /// Number of errors that are constant over the run: those of the dimensions, then the gyroscope's scale.
     pub(crate) fn constant_error_count(&self) -> usize {
         self.dimensions.len() + usize::from(self.scale_noise() > 0.0)
     }
 
-    /// Slip of a wheel that is flagged [m/s], where one number says it.
+    /// Slip of a wheel that is flagged [m/s]; None: it follows from the variances of the step.
     pub(crate) fn flagged_slip(&self) -> Option<f64> {
         self.slip_threshold.or(self.noise.is_typical().then_some(TYPICAL_SLIP))
     }

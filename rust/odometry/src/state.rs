@@ -10,8 +10,11 @@ use six_wheel_numerics::error::{Error, HUGE, finite, numbers};
 /// State that changes from sample to sample and is restored when a late pose comes.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
+    /// Pose in world axes [m, m, rad].
     pub pose_sums: PoseAccumulator,
+    /// Mean twist over the last step, in body axes [m/s, m/s, rad/s].
     pub twist: Twist,
+    /// The twist through a first-order filter; None before the first step.
     pub velocity: Option<Twist>,
     pub uncertainty: Uncertainty,
 }
@@ -64,7 +67,7 @@ impl State {
         });
     }
 
-    /// Corrects by an absolute yaw with this deviation; the first one tells where the sensor's zero is.
+    /// Corrects the pose by an absolute yaw with this deviation [rad]; the first one sets the zero of the sensor.
     pub fn correct_yaw(&mut self, yaw: f64, deviation: f64) {
         let (predicted, variance) = (self.pose_sums.yaw.value(), deviation * deviation);
         match self.uncertainty.yaw_offset {
@@ -76,7 +79,7 @@ impl State {
         }
     }
 
-    /// Moves the pose by a correction.
+    /// Adds a correction to the pose.
     #[inline]
     pub fn shift(&mut self, by: &Vector3<f64>) {
         self.pose_sums.shift(by.x, by.y);
@@ -93,13 +96,14 @@ pub fn check_pose(pose: &[f64]) -> Result<(), Error> {
     Err(Error::value("pose", format!("be smaller than {HUGE:e} in every part"), numbers(pose)))
 }
 
-/// A variance from outside: one that sums of squares cannot be made of says nothing, like an infinite one.
+/// A variance from outside; those from [`HUGE`] on count as infinite: unknown.
 #[inline]
 pub fn read_variance(value: f64) -> f64 {
     if value < HUGE { value } else { value * f64::INFINITY }
 }
 
-/// A covariance that is symmetric and has no negative variance; infinite ones say nothing of a direction.
+/// Fails unless a covariance is symmetric and has no negative variance; infinite variances are those of unknown
+/// components.
 pub(crate) fn check_covariance(covariance: [[f64; 3]; 3]) -> Result<Matrix3<f64>, Error> {
     let mut matrix = Matrix3::from(covariance);
     for k in 0..3 {

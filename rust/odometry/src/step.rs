@@ -1,8 +1,8 @@
 //! One step of odometry: displacement, slip, covariance, fusion with a gyroscope, and the state at its end.
 //!
-//! Every wheel has two rows in the equations of a step ([`wheels`]). Where the solution of the least squares is a constant of
-//! the rover, so are the shares of the wheels in the displacement, but for the steering angles; elsewhere they are fitted
-//! ([`fit`]). From there on every step is the same:
+//! Every wheel has two rows in the equations of a step ([`wheels`]). If the solution of the least squares is a constant
+//! of the rover, so are the shares of the wheels in the displacement, at given steering angles; otherwise they are
+//! fitted ([`fit`]). The equations after that are the same:
 //!
 //! ```text
 //! d, cov(d) by the wheels, fused with the yaw increment of a gyroscope         (propagation)
@@ -43,7 +43,7 @@ use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::polynomials::sin_cos;
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Memory of a step, so that none is asked for while driving, and the results that are no part of the state.
+/// Memory of a step, so that none is allocated while driving, and the results that are no part of the state.
 #[derive(Clone, Debug)]
 pub(crate) struct Workspace {
     pub constants: StepConstants,
@@ -71,15 +71,16 @@ impl Workspace {
         }
     }
 
-    /// Makes a step; true if a wheel slides further than the noise explains. None where a reading has to be checked first,
-    /// or squares of the result may not be finite.
+    /// Integrates a step. Returns true if a wheel slides further than the noise explains; None if a reading has to be
+    /// checked first, or squares of the result may not be finite.
     #[inline]
     pub fn step<'b>(&mut self, input: &StepInput<'b>, output: StepOutput<'b>) -> Option<bool> {
         let level = self.constants.level;
         level.run_any(Step { work: self, input, output })
     }
 
-    /// Makes a step by rotations that were checked, whatever their equations are. On failure the state has not changed.
+    /// Integrates a step by rotations that were checked, with constant or fitted equations. On failure the state has
+    /// not changed.
     pub fn advance(
         &mut self,
         rover: &Rover,
@@ -115,18 +116,18 @@ struct Step<'a, 'b> {
     output: StepOutput<'b>,
 }
 
-/// Displacement in body axes and its covariance, by the wheels, or fused with a gyroscope.
+/// Displacement in body axes [m, m, rad] and its covariance, by the wheels, or fused with a gyroscope.
 #[derive(Clone, Copy)]
 struct BodyStep {
     displacement: [Lanes<Scalar>; 3],
-    /// By all that errs in this step alone.
+    /// Covariance by errors of this step alone.
     own: Covariance3<Lanes<Scalar>>,
-    /// By readings at its start and at its end, but for the gyroscope's.
+    /// Covariances by readings at its start and at its end that the neighbouring steps share, without the gyroscope's.
     shared: [Covariance3<Lanes<Scalar>>; 2],
     gyroscope: Option<GyroscopeError>,
 }
 
-/// Fusion with a gyroscope, and the error by the deviation of its reading at one end.
+/// Gain of a gyroscope, and the error of the displacement by the deviation of its reading at one end.
 #[derive(Clone, Copy)]
 struct GyroscopeError {
     gain: KalmanGain<Scalar>,
@@ -255,7 +256,7 @@ fn propagate<S: Vector>(
     state.hold_twist(displacement.map(|part| part / dt).into(), dt, settings.smoothing);
 }
 
-/// Propagates the errors of dimensions and of a gyroscope's scale, which stay the same all along.
+/// Propagates the errors of dimensions and of a gyroscope's scale, which are constant over the run.
 #[inline(always)]
 fn propagate_constant_errors(
     work: &mut Workspace,

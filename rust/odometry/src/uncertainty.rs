@@ -1,8 +1,9 @@
 //! The error of a pose: its growth along a step, and its decrease by other measurements.
 //!
 //! A reading of a steering angle is the end of one step and the start of the next: its error enters both. So the
-//! error of the pose is kept in two parts: `settled`, and for every such reading the column by which its error
-//! still counts. Steps are then independent of each other and the covariance is exact to first order:
+//! covariance of the pose has two parts: `settled`, and for every such reading a column `carried`, the error of the
+//! pose by the deviation of the last reading. Steps are then independent of each other and the covariance is exact to
+//! first order:
 //!
 //! ```text
 //! P = settled + Σ carried carriedᵀ
@@ -10,7 +11,9 @@
 //! carried' = L new
 //! ```
 //!
-//! The error of a dimension enters every step: it has a column too, which is never settled (`constant_errors`).
+//! with F and L the derivatives of the end of the step by its start and by the displacement, Q the covariance of the
+//! displacement by errors of the step alone, `old` and `new` its errors by the readings at start and end. The error of
+//! a dimension enters every step: it has a column too, which is never settled (`constant_errors`).
 
 mod correction;
 
@@ -24,13 +27,14 @@ use crate::propagation::covariance::{Covariance3, lane, numbers};
 use crate::propagation::fusion::bias_covariance_increment;
 use six_wheel_numerics::simd::lanes::Lanes;
 
-/// A pose's rounding, as a share of its variance: added to every diagonal, so that no direction's variance is negative.
+/// Rounding of a covariance, as a share of its trace: added to every diagonal entry, so that no direction has a
+/// negative variance.
 pub(crate) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// The columns of joints come in whole registers, on every level that has this kernel.
+/// Columns of joints are padded to multiples of this: whole registers on every level of the kernel of one step.
 pub(crate) const COLUMNS: usize = 4;
 
-/// Covariance plus [`ROUNDING`], in the lanes, times its trace on the diagonal.
+/// The covariance plus `rounding` ([`ROUNDING`] in the lanes) times its trace on the diagonal.
 #[inline(always)]
 pub(crate) fn rounded<T>(mut covariance: Covariance3<T>, rounding: T) -> Covariance3<T>
 where
@@ -43,22 +47,22 @@ where
 /// Errors of one displacement in body axes.
 #[derive(Clone, Debug)]
 pub(crate) struct StepNoise {
-    /// Covariance of all that errs in this step alone.
+    /// Covariance by errors of this step alone.
     pub own: Covariance3,
-    /// The same of readings that other steps share, as if those at its two ends erred on their own.
+    /// Covariance by readings that the neighbouring steps share, with independent errors at its two ends.
     pub ends: Covariance3,
     /// For every error that is the same in all steps, the derivative of the displacement by it.
     pub constant_errors: Vec<[f64; 3]>,
 }
 
 impl StepNoise {
-    /// Covariance of the displacement, as if the readings at both ends erred on their own.
+    /// Covariance of the displacement of one step.
     #[inline]
     pub fn total(&self) -> Covariance3 {
         self.own.and(self.ends)
     }
 
-    /// No noise: a step in which nothing moved.
+    /// Sets all to zero, for a step without motion.
     #[inline]
     pub fn clear(&mut self) {
         (self.own, self.ends) = (Covariance3::default(), Covariance3::default());
@@ -66,30 +70,30 @@ impl StepNoise {
     }
 }
 
-/// Zero of a yaw sensor, learnt from its first reading.
+/// Zero of a yaw sensor, from its first reading.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct YawOffset {
-    /// Reading where the pose's yaw is zero [rad].
+    /// Reading at the yaw 0 of the pose [rad].
     pub value: f64,
-    /// Its variance.
+    /// Its variance [rad²].
     pub variance: f64,
     /// Covariance with the error of the pose.
     pub cross: Vector3<f64>,
 }
 
-/// Bias of a gyroscope, as far as it is known.
+/// Estimated bias of a gyroscope.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bias {
     /// Its value [rad/s].
     pub value: f64,
-    /// Its variance.
+    /// Its variance [rad²/s²].
     pub variance: f64,
     /// Covariance of its error with that of the pose.
     pub cross: Vector3<f64>,
 }
 
 impl Bias {
-    /// Propagates the bias through one step whose end is off by `by_bias` times its error, and adds the variance of its
+    /// Propagates the bias through one step, whose end has the derivative `by_bias` by it, and adds the variance of its
     /// random walk. Returns the covariance that this adds to the pose.
     #[inline(always)]
     pub fn propagate(
@@ -108,20 +112,24 @@ impl Bias {
     }
 }
 
-/// Error of a pose by one deviation of the dimensions, and of the zero of a yaw sensor that was read there.
+/// Errors by one deviation of the dimensions, which is constant over the run.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ConstantError {
+    /// Error of the pose [m, m, rad].
     pub pose: Vector3<f64>,
+    /// Error of the zero of a yaw sensor [rad].
     pub yaw_zero: f64,
 }
 
 /// Error of a pose in world axes: x [m], y [m], yaw [rad].
 #[derive(Clone, Debug)]
 pub(crate) struct Uncertainty {
+    /// Covariance by errors that no later step shares.
     pub settled: Covariance3,
+    /// Errors by the readings that the next step shares, one column per reading.
     pub carried: Vec<[f64; 3]>,
     pub constant_errors: Vec<ConstantError>,
-    /// Sum over the columns of their products with themselves.
+    /// `Σ carried carriedᵀ`
     open: Covariance3,
     pub yaw_offset: Option<YawOffset>,
     pub bias: Option<Bias>,
@@ -139,7 +147,7 @@ impl Uncertainty {
         }
     }
 
-    /// Takes the value of another one without allocating.
+    /// Copies another one without allocating.
     pub fn copy_from(&mut self, other: &Self) {
         self.settled = other.settled;
         self.carried.copy_from_slice(&other.carried);
@@ -149,7 +157,7 @@ impl Uncertainty {
         self.bias = other.bias;
     }
 
-    /// Starts over from a known covariance.
+    /// Sets the covariance; columns and the zero of a yaw sensor are reset.
     pub fn set(&mut self, covariance: Matrix3<f64>) {
         self.settled = Covariance3::of(&covariance);
         self.close();
@@ -160,7 +168,8 @@ impl Uncertainty {
         }
     }
 
-    /// No reading before is shared with a step to come.
+    /// Settles the columns, as no later step shares a reading with the steps so far, and discards the zero of a yaw
+    /// sensor.
     pub fn release_shared_readings(&mut self) {
         self.settled.add_assign(&self.open);
         self.close();
@@ -182,7 +191,7 @@ impl Uncertainty {
         covariance
     }
 
-    /// The same without a negative variance in any direction, rounding or not.
+    /// Covariance of the pose without a negative variance in any direction by rounding.
     #[inline]
     pub fn reported(&self) -> Covariance3 {
         let covariance = rounded(self.covariance(), ROUNDING);
@@ -192,13 +201,13 @@ impl Uncertainty {
         covariance
     }
 
-    /// Sets both parts of the covariance after steps that were made by registers.
+    /// Sets both parts of the covariance after a step, whose columns are set already.
     #[inline(always)]
     pub fn settle(&mut self, settled: Covariance3, open: Covariance3) {
         (self.settled, self.open) = (settled, open);
     }
 
-    /// True if the error of a gyroscope's last reading still counts.
+    /// True if the next step shares the last reading of a gyroscope.
     pub fn has_gyroscope_error(&self) -> bool {
         self.carried.last() != Some(&[0.0; 3])
     }

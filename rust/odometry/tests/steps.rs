@@ -218,7 +218,7 @@ proptest! {
             let steering = &log.steering[k * joints..(k + 1) * joints];
             let wheels = &log.wheels[k * count..(k + 1) * count];
             let [yaw, yaw_rate] = [log.yaws[k], log.rates[k]].map(|read| Some(read).filter(|read| !read.is_nan()));
-            let health = singly.absorb(Sample { yaw, yaw_rate, ..sample(steering, wheels, log.stamps[k]) })?;
+            let health = singly.update_or_skip(Sample { yaw, yaw_rate, ..sample(steering, wheels, log.stamps[k]) })?;
             prop_assert_eq!(found.health[k], health.0, "row {}", k);
             prop_assert_eq!(found.poses[k], <[f64; 3]>::from(singly.pose()), "row {}", k);
             prop_assert_eq!(found.twists[k], <[f64; 3]>::from(singly.twist()), "row {}", k);

@@ -15,8 +15,11 @@ use six_wheel_numerics::simd::vector::Vector;
 /// Rows of a log, with the one before them.
 #[derive(Clone, Copy)]
 pub(crate) struct Rows<'a> {
+    /// As the encoders count.
     pub wheels: &'a [f64],
+    /// As the encoders count.
     pub steering: &'a [f64],
+    /// [s]
     pub stamps: &'a [f64],
     pub settings: &'a Settings,
     /// True if a gyroscope is fused in these rows, or was in the row before; its columns are in the block.
@@ -26,27 +29,36 @@ pub(crate) struct Rows<'a> {
 /// Memory of a block that is the same for every rover.
 #[derive(Default)]
 pub struct LogBlock {
+    /// Duration of every step [s].
     pub dt: Column,
     /// 1 where a wheel slid further than the noise explains.
     pub slips: Column,
-    /// Gyroscope of every step, in the fields of [`GyroscopeIncrement`](crate::propagation::fusion::GyroscopeIncrement), where
-    /// one is fused.
+    /// Gyroscope of every step, in the fields of
+    /// [`GyroscopeIncrement`](crate::propagation::fusion::GyroscopeIncrement): 1 where one is read, yaw increment
+    /// [rad], variance of the bias [rad²/s²].
     pub is_read: Column,
     pub turn: Column,
     pub bias: Column,
-    /// Its gain; then what its bias makes of the end of a step, and its covariance with the pose at the start.
+    /// Gain of the gyroscope; then the derivative of the end of the step by the bias [m s, m s, s].
     pub(crate) by_bias: [Column; 3],
+    /// Covariance of the bias with the pose at the start of the step.
     pub(crate) cross: [Column; 3],
+    /// In body axes [m, m, rad].
     pub(crate) displacement: [Column; 3],
+    /// [m/s, m/s, rad/s]
     pub(crate) twists: [Column; 3],
-    /// Covariance of the displacement in body axes; then of its end in world axes; then of the pose, what is settled.
+    /// Covariance by errors of the step alone: of the displacement in body axes; then of its end in world axes; then
+    /// the settled part of the covariance of the pose.
     pub(crate) own: [Column; 6],
-    /// The same of the joints' readings at one end, and what is open of the pose.
+    /// The same by the joints' readings at one end; then the open part of the covariance of the pose.
     pub(crate) open: [Column; 6],
+    /// At the start of the step [rad].
     pub(crate) heading: Column,
-    /// Displacement of every step in world axes; then the pose.
+    /// Displacement of every step in world axes; then the pose [m, m, rad].
     pub(crate) poses: [Column; 3],
+    /// Derivative of the end position by the yaw at the start [m].
     pub(crate) lever: [Column; 2],
+    /// Covariance of the pose, whole matrices.
     pub(crate) covariances: [Column; 9],
 }
 
@@ -77,14 +89,14 @@ pub(crate) fn at<const N: usize>(columns: &[Column; N], row: usize) -> [f64; N] 
 }
 
 impl LogBlock {
-    /// Writes the rows that were made to the track.
+    /// Writes the integrated rows to the track.
     #[inline]
     pub fn write(&mut self, scratch: &BlockScratch, rows: Range<usize>, wheels: usize, track: &mut TrackRows<'_>) {
         let write = Write { block: self, scratch, rows, wheels, track };
         scratch.level.run_any(write);
     }
 
-    /// Residuals of a step.
+    /// Copies the residuals of a step [m/s].
     pub fn last_residual(&self, scratch: &BlockScratch, row: usize, residual: &mut [f64]) {
         for (residual, column) in residual.iter_mut().zip(&scratch.wheels) {
             *residual = column.0[row];

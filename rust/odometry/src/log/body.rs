@@ -16,7 +16,7 @@ use six_wheel_numerics::error::HUGE;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Sums of three or six numbers, part by part: memory that every sum writes before it reads it.
+/// Parts of sums of three or six numbers. The memory is shared by all sums, which write it before they read it.
 pub(crate) struct Sums<S: Vector> {
     pub three: [[Lanes<S>; 3]; PARTS],
     pub six: [[Lanes<S>; 6]; PARTS],
@@ -30,7 +30,7 @@ impl<S: Vector> Sums<S> {
     }
 }
 
-/// Makes a register of steps in body axes; false if something has to be checked in one of them.
+/// Computes a register of steps in body axes. Returns false if the readings of one of them have to be checked.
 #[inline(always)]
 pub(crate) fn body_step<S: Vector>(
     simd: S,
@@ -77,7 +77,7 @@ pub(crate) fn body_step<S: Vector>(
     true
 }
 
-/// Fuses displacements and the errors of joints with a gyroscope, and returns the covariances after it.
+/// Fuses displacements and the errors of joints with a gyroscope. Returns the covariances after the fusion.
 #[inline(always)]
 fn fuse_gyroscope<S: Vector>(
     simd: S,
@@ -111,7 +111,7 @@ fn fuse_gyroscope<S: Vector>(
     [remaining_covariance(gain, own), remaining_covariance(gain, open).and_square(error)]
 }
 
-/// The least-squares displacements in body axes, and the lanes in which nothing has to be checked.
+/// The least-squares displacements in body axes, and the lanes whose readings need no check.
 #[inline(always)]
 fn sum_displacement<S: Vector>(
     simd: S,
@@ -148,8 +148,8 @@ fn sum_displacement<S: Vector>(
     (add_parts(sums.three, PARTS), is_fine)
 }
 
-/// Covariances of the displacements by what errs in their steps alone, and the steps in which a wheel slid further than the
-/// noise explains.
+/// Covariances of the displacements by errors of their steps alone, and the steps in which a wheel slid further than
+/// the noise explains.
 #[inline(always)]
 fn sum_noise<S: Vector>(
     simd: S,

@@ -18,7 +18,7 @@ pub(crate) fn split_columns<S: Vector>(
     for (dt, (before, after)) in block.dt.0.iter_mut().zip(pairs) {
         *dt = after - before;
     }
-    // Lanes without a row: steps of a second in which nothing moves.
+    // Lanes without a row are steps of 1 s without motion.
     block.dt.0[count..].fill(1.0);
     let wheels = scratch.wheels.len();
     let pairs = rows.wheels.iter().zip(&rows.wheels[wheels..]);
@@ -31,7 +31,7 @@ pub(crate) fn split_columns<S: Vector>(
     let (middles, increments) = scratch.flat[..2 * count * joints].split_at_mut(count * joints);
     let mut joint = 0;
     while joint < joints {
-        // Four at a time are the lanes of a register; most rovers have as many.
+        // Four joints, the number of most rovers, are compiled to registers of four.
         let to = [&mut *middles, &mut *increments, &mut scratch.angles];
         joint += if joint + 4 <= joints {
             integrate_joints::<4>(rows.steering, angles, &scratch.per_count, joint, to)
@@ -44,7 +44,7 @@ pub(crate) fn split_columns<S: Vector>(
     transpose_to_columns(simd, increments, increment);
 }
 
-/// Middle angles, increments and angles of `N` joints from this one on, one row after the other. Returns N.
+/// Writes middle angles, increments and angles at the end [rad] of `N` joints from this one on, row by row. Returns N.
 #[inline(always)]
 fn integrate_joints<const N: usize>(
     steering: &[f64],

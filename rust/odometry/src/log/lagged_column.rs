@@ -4,7 +4,7 @@ use six_wheel_numerics::columns::BLOCK;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Places before a column, of which the last one holds the row before the first.
+/// Elements before a column, the last of which holds the row before the first one.
 pub(crate) const LEAD: usize = 8;
 
 /// A column with the row before its first.

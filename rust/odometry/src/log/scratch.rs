@@ -6,11 +6,11 @@ use six_wheel_kinematics::kernels::wheel_lanes::GROUP;
 use six_wheel_numerics::columns::{BLOCK, Column};
 use six_wheel_numerics::simd::level::Level;
 
-/// Memory of a block per wheel and joint. Written by every block before it is read, but for the row before it in
-/// `ends`, which comes from the state.
+/// Memory of a block per wheel and joint. Every block writes it before it reads it, except the row before the first one
+/// in `ends`, which is loaded from the state.
 pub struct BlockScratch {
     pub(crate) level: Level,
-    /// Rows that are split into columns next.
+    /// Rows before they are split into columns.
     pub(crate) flat: Vec<f64>,
     /// Angle of every joint per count of its encoder [rad].
     pub(crate) per_count: Vec<f64>,
@@ -20,15 +20,16 @@ pub struct BlockScratch {
     pub(crate) wheels: Vec<Column>,
     /// Middle angles of the joints, then their increments [rad].
     pub(crate) joints: Vec<Column>,
-    /// Per place of a wheel in the constants.
+    /// Per lane of the groups of wheels.
     pub(crate) places: Vec<StepScratch>,
-    /// Per joint: error of the displacement by half the deviation of its angle; then of the pose at the end of every step.
+    /// Per joint: error of the displacement by half the deviation of its angle; then that of the pose at the end of
+    /// every step.
     pub(crate) ends: Vec<[LaggedColumn; 3]>,
     /// The same of a gyroscope's reading.
     pub(crate) by_gyroscope: [LaggedColumn; 3],
 }
 
-/// So many, if there is memory.
+/// A vector of `count` elements; None if there is not enough memory.
 fn allocate<T: Clone>(one: T, count: usize) -> Option<Vec<T>> {
     let mut all = Vec::new();
     all.try_reserve_exact(count).ok()?;
@@ -57,7 +58,7 @@ impl BlockScratch {
         })
     }
 
-    /// Most rows of a block.
+    /// Largest number of rows of a block.
     #[inline]
     pub fn rows(&self) -> usize {
         BLOCK

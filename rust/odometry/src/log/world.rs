@@ -15,7 +15,7 @@ use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::polynomials::sin_cos;
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Turns a register of steps, with their errors, to world axes.
+/// Rotates a register of steps, with their errors, to world axes.
 #[inline(always)]
 pub(crate) fn world_step<S: Vector>(
     simd: S,
@@ -47,7 +47,7 @@ pub(crate) fn world_step<S: Vector>(
     block.poses[1].store(k, north);
 }
 
-/// Errors of the displacement that two steps share, at the end of the first.
+/// Replaces errors of displacements by the errors of the pose at the end of their steps.
 #[inline(always)]
 fn displacement_error<S: Vector>(jacobian: &StepJacobian<S>, errors: &mut [LaggedColumn; 3], k: usize) {
     let ended = jacobian.displacement_error(all(jacobian.shift[0].simd(), errors, k, 0));

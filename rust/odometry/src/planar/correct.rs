@@ -1,4 +1,4 @@
-//! A pose from outside: it corrects the state of its instant, and the samples after it are taken in again.
+//! A pose from outside: it corrects the state at its instant, and the samples after that are integrated again.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -11,7 +11,7 @@ use six_wheel_kinematics::geometry::{Pose, Twist, wrap_angle};
 use six_wheel_numerics::error::Error;
 
 impl State {
-    /// Moves the pose towards one from outside.
+    /// Corrects the pose by one from outside, with the gain of their covariances.
     fn correct_with_pose(&mut self, PoseMeasurement { pose, covariance }: &PoseMeasurement) {
         let gain = self.uncertainty.correct(covariance);
         let here = self.pose();
@@ -26,7 +26,7 @@ impl State {
 }
 
 impl PoseMeasurement {
-    /// The same after this twist was held for so long [s]. A covariance that is not known in every direction stays.
+    /// The pose after `dt` [s] at a constant twist. A covariance with infinite variances is unchanged.
     fn propagate(self, twist: Twist, dt: f64) -> Self {
         let Self { pose: start, mut covariance } = self;
         let pose = start.compose(twist.exp(dt));
@@ -49,24 +49,24 @@ impl PoseMeasurement {
 }
 
 impl Odometry {
-    /// Pose at an instant of the last `lag` seconds, or as long after the last sample: between two samples on the arc of the
-    /// step, after the last one as if the rover had gone on as before.
+    /// Pose at an instant at most `lag` seconds before or after the last sample: between two samples on the arc of the
+    /// step, after the last one at its twist.
     pub fn pose_at(&self, stamp: f64) -> Result<Pose, Error> {
         let Instant { state, stamp: then, .. } = self.history.locate(stamp, self.stamp(), &self.state)?;
         Ok(state.pose().compose(state.twist.exp(stamp - then)))
     }
 
-    /// A pose from outside at some instant of the last `lag` seconds, with its covariance in world axes, infinite
-    /// variances where it says nothing. Between two samples the rover is taken to be on the arc of the step; after
-    /// the last one it is taken to have gone on as before.
+    /// Corrects the state by a pose from outside at an instant of the last `lag` seconds, with its covariance in world
+    /// axes; variances of unknown components are infinite. Between two samples the rover is on the arc of the step,
+    /// after the last one it continues at its twist.
     #[inline]
     pub fn correct(&mut self, pose: Pose, stamp: f64, covariance: [[f64; 3]; 3]) -> Result<(), Error> {
         let covariance = check_covariance(covariance)?;
         check_pose(&<[f64; 3]>::from(pose))?;
         let Instant { number, state, stamp: then } = self.history.locate(stamp, self.stamp(), &self.state)?;
-        let seen = PoseMeasurement { pose, covariance }.propagate(state.twist, then - stamp);
+        let measured = PoseMeasurement { pose, covariance }.propagate(state.twist, then - stamp);
         let Some(number) = number else {
-            self.state.correct_with_pose(&seen);
+            self.state.correct_with_pose(&measured);
             return Ok(());
         };
         let (rover, settings, work) = (&self.rover, &self.settings, &mut self.work);
@@ -80,15 +80,15 @@ impl Odometry {
                 gyro_turn: readings.gyro_turn,
                 bias_variance: state.uncertainty.bias.map_or(0.0, |bias| bias.variance),
             };
-            // It was made before and does not depend on the pose: it does not fail, whatever its noise is now that the
-            // bias of a gyroscope is better known.
+            // The step succeeded before and does not depend on the pose. It cannot fail with an infinite bound,
+            // although the corrected bias of a gyroscope changes its noise.
             let _ = work.advance(rover, settings, motion, f64::INFINITY, Some(state), &mut []);
             if let Some(yaw) = readings.yaw {
                 state.correct_yaw(yaw, settings.noise.yaw);
             }
         };
-        let correct = |state: &mut State, _: &StepReadings, seen: &PoseMeasurement| state.correct_with_pose(seen);
-        self.history.correct(number, seen, &mut self.state, integrate, correct);
+        let correct = |state: &mut State, _: &StepReadings, pose: &PoseMeasurement| state.correct_with_pose(pose);
+        self.history.correct(number, measured, &mut self.state, integrate, correct);
         Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! A sample of running totals from which a step is made without looking at every reading.
+//! Update by a sample of running totals whose readings need no check: the usual one while driving.
 
 use super::Odometry;
 use crate::samples::increments::may_start_over;
@@ -8,9 +8,9 @@ use crate::step::{StepInput, StepOutput, WheelInput};
 use six_wheel_numerics::error::HUGE;
 
 impl Odometry {
-    /// Takes in a sample. Returns true if a wheel slips, and the yaw increment by the gyroscope [rad]. Returns None, with
-    /// nothing changed, where something has to be checked first: the rover stands, the equations are no constants of the
-    /// rover, a counter may have started over, or the sample may have to be refused.
+    /// Integrates a step to a sample. Returns true if a wheel slips, and the yaw increment by the gyroscope [rad].
+    /// Returns None, with nothing changed, if the step is one of [`Self::update_any`]: the rover stands, the equations
+    /// are no constants of the rover, a counter may have started over, or the sample may have to be refused.
     #[inline]
     pub(crate) fn direct_step(&mut self, sample: &Sample<'_>) -> Option<(bool, Option<f64>)> {
         let (reference, constants) = (&self.reference, &self.work.constants);
@@ -53,7 +53,7 @@ impl Odometry {
             StepOutput { angles: &mut self.angles, residual: &mut self.residual, state: Some(&mut self.state) };
         let slips = self.work.step(&input, output)?;
         if self.settings.lag > 0.0 {
-            self.difference(sample, dt); // which a late pose asks for
+            self.difference(sample, dt); // for the history of late poses
         }
         Some((slips, gyro_turn))
     }

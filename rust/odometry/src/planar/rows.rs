@@ -1,4 +1,4 @@
-//! Rows of a log in whose steps nothing has to be checked, by registers of samples.
+//! Update by rows of a log whose readings need no check, a register of samples at a time.
 
 use std::ops::Range;
 
@@ -17,11 +17,11 @@ fn first_start_over(readings: &[f64], wheels: usize, rows: Range<usize>) -> usiz
     found.map_or(rows.end, |place| rows.start + place / wheels)
 }
 
-/// Number of rows of a log from which registers are faster.
+/// Number of rows from which on registers of samples are faster than one sample at a time.
 const FEW: usize = 4;
 
 impl Odometry {
-    /// Memory to take in a log by registers of samples; None where samples are taken in one by one.
+    /// Memory for updates by registers of samples; None if samples have to be integrated one by one.
     #[inline]
     pub(crate) fn block_scratch(&self) -> Option<BlockScratch> {
         let constants = &self.work.constants;
@@ -29,8 +29,8 @@ impl Odometry {
         (can_have_blocks && self.settings.lag == 0.0).then(|| BlockScratch::new(constants)).flatten()
     }
 
-    /// Takes in rows of a log from `first` on, the row before which has just been taken in, until the first in which
-    /// something has to be checked: the same numbers as row by row. Returns their number.
+    /// Integrates rows of a log from `first` on until the first whose readings have to be checked; the last update was
+    /// by the row before `first`. The results are those of updates row by row. Returns the number of rows.
     pub(crate) fn update_rows(
         &mut self,
         recording: &Recording<'_>,
@@ -80,13 +80,13 @@ impl Odometry {
         let sample = recording.row(wheels, joints, done.end - 1);
         self.commit_sample(&sample, Health::SLIP.when(block.slips.0[last] != 0.0), None);
         if sample.yaw.is_some() {
-            // It has corrected the pose since.
+            // The yaw has corrected the pose after the block was written.
             self.write_row(done.end - 1, track);
         }
         count
     }
 
-    /// Writes flags and weights of rows that were made.
+    /// Writes flags and weights of integrated rows.
     fn write_flags(&self, done: Range<usize>, block: &LogBlock, track: &mut TrackRows<'_>) {
         let (gap, wheels) = (self.settings.max_gap, self.rover.wheels().len());
         for (k, health) in track.health[done.clone()].iter_mut().enumerate() {
@@ -101,8 +101,8 @@ impl Odometry {
         }
     }
 
-    /// Loads the gyroscope's turns of rows of a log, until the first one in which the rover stands, or that may have to
-    /// be refused. Returns the end of these rows.
+    /// Loads the gyroscope's yaw increments of rows of a log, until the first one in which the rover stands, or that
+    /// may have to be refused. Returns the end of these rows.
     fn load_gyroscope_rows(&self, recording: &Recording<'_>, rows: Range<usize>, block: &mut LogBlock) -> usize {
         let (wheels, joints) = (self.rover.wheels().len(), self.rover.steered().len());
         let mut bias = self.state.uncertainty.bias;

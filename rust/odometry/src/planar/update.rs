@@ -1,4 +1,4 @@
-//! Update by one sample: it is checked, turned into a step, and made the one from which the next one counts.
+//! Update by one sample: it is checked, a step is integrated, and it becomes the reference of the next step.
 
 use super::{Odometry, StepReadings};
 use crate::health::{Health, Refusal};
@@ -16,13 +16,13 @@ use six_wheel_kinematics::geometry::Twist;
 use six_wheel_numerics::error::{Error, HUGE, finite, number, numbers};
 
 impl Odometry {
-    /// Takes in a sample. On failure nothing has changed.
+    /// Updates the state by a sample. On failure nothing has changed.
     #[inline]
     pub fn update(&mut self, sample: Sample<'_>) -> Result<Health, Error> {
         self.try_update(sample).map_err(|refusal| refusal.error)
     }
 
-    /// Any sample.
+    /// Update by any sample, with all checks.
     pub(crate) fn update_any(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.check_numbers(&sample).map_err(|error| Refusal::new(Health::NOT_FINITE, error))?;
         if !self.reference.known {
@@ -67,7 +67,8 @@ impl Odometry {
         Ok(self.commit_sample(&sample, counted | Health::SLIP.when(slips), gyro_turn))
     }
 
-    /// Takes a sample whose step has been made as the one from which the next one counts.
+    /// Completes an update whose step has been integrated: the sample becomes the reference, its yaw corrects the pose,
+    /// and it is added to the history.
     #[inline]
     pub(crate) fn commit_sample(&mut self, sample: &Sample<'_>, flags: Health, gyro_turn: Option<f64>) -> Health {
         let reference = &mut self.reference;
@@ -106,7 +107,7 @@ impl Odometry {
         others.into_iter().try_for_each(|(argument, value)| finite(argument, value.as_slice()))
     }
 
-    /// Takes the sample as the one from which the next one counts.
+    /// Makes the sample the reference of the next step.
     pub(crate) fn refer_to(&mut self, sample: &Sample<'_>) {
         self.settings.first_angles(sample.steering, &mut self.reference.angles);
         self.reference.known = true;
@@ -116,7 +117,7 @@ impl Odometry {
         self.reference.yaw_rate = sample.yaw_rate;
     }
 
-    /// Writes the rotations of wheels and the angles of joints since the reference [rad]. Returns true if a counter
+    /// Computes the rotations of wheels since the reference and the angles of joints [rad]. Returns true if a counter
     /// started over.
     pub(crate) fn difference(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
         let Self { settings, skipped, reference, turned, angles, .. } = self;
@@ -126,7 +127,8 @@ impl Odometry {
         add_increments(settings, skipped, [before, after], dt, turned, angles)
     }
 
-    /// Counts wheels whose counters started at zero since the reference from there; true if there is one.
+    /// Replaces the rotations of wheels whose counters restarted at zero since the reference. Returns true if there is
+    /// one.
     fn count_from_zero(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
         let wheels = self.rover.wheels();
         let reach = wheels.iter().map(|wheel| wheel.x.hypot(wheel.y)).fold(0.0, f64::max);
@@ -138,7 +140,7 @@ impl Odometry {
         count_from_zero(&self.settings, readings, radii, timing, &mut self.turned)
     }
 
-    /// Fails if the rover would have moved faster than it can.
+    /// Fails if a wheel or a joint moved faster than the settings allow.
     fn check_jump(&self, dt: f64) -> Result<(), Error> {
         let Self { rover, settings, skipped, reference, turned, angles, .. } = self;
         let wheels = rover.wheels().iter().zip(turned);
@@ -148,8 +150,8 @@ impl Odometry {
         check_steering_rate(settings, dt, joints.map(|(name, (before, after))| (name, *before, *after)))
     }
 
-    /// True if wheels and gyroscope agree that the rover stands: no wheel rolls, and the reading of the gyroscope may
-    /// well be its bias.
+    /// True if the rover stands: no wheel rolls faster than [`STANDING`], and the reading of the gyroscope is within
+    /// [`LIKELY`] deviations of its bias.
     #[inline]
     pub(crate) fn stands(&self, rate: f64, bias: Option<Bias>, dt: f64, turned: impl Iterator<Item = f64>) -> bool {
         let (Some(known), Some(bias)) = (self.settings.gyroscope, bias) else {
@@ -165,13 +167,13 @@ impl Odometry {
         still && (rate - bias.value).abs() <= LIKELY * variance.sqrt()
     }
 
-    /// A step of standing: the pose is held, and the bias learnt.
+    /// A step at rest: the pose is constant, and the reading of the gyroscope corrects its bias.
     fn rest(&mut self, rate: f64, dt: f64) {
         let noise = self.settings.gyroscope.map_or(0.0, |known| known.noise);
         if let Some(bias) = &mut self.state.uncertainty.bias {
             bias.variance += self.settings.bias_variance_increment(dt);
         }
-        let shift = self.state.uncertainty.learn_bias(rate, noise * noise);
+        let shift = self.state.uncertainty.correct_bias(rate, noise * noise);
         self.state.shift(&shift);
         self.state.hold_twist(Twist::ZERO, dt, self.settings.smoothing);
         self.residual.fill(0.0);

@@ -89,7 +89,7 @@ impl LogOdometry for Odometry {
         Some((self.block_scratch()?, LogBlock::default()))
     }
 
-    fn take_block(
+    fn update_block(
         &mut self,
         recording: &Recording<'_>,
         first: usize,

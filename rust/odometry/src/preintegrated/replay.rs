@@ -1,8 +1,9 @@
-//! The samples of a motion once more, with all derivatives.
+//! Integration of the samples of a motion with all derivatives.
 //!
-//! A change of one displacement in body axes moves the end by `exp(B d) delta`, with `B = adjoint(begin_from_step)
-//! left_jacobian(displacement)`, wherever the motion goes on to: in axes of the beginning nothing that was added has
-//! to be carried along. At the end everything is turned into axes of the end, once.
+//! A change d of one displacement in body axes changes the motion to `exp(B d) delta`, with `B =
+//! adjoint(begin_from_step) left_jacobian(displacement)`, which later steps do not change: in axes of the beginning,
+//! covariances and derivatives are sums over the steps. They are transformed to axes of the end once, after the last
+//! step.
 
 use nalgebra::{Matrix3, Matrix6, Matrix6x3, Quaternion, UnitQuaternion, Vector3, Vector6};
 use six_wheel_numerics::threads::workers::{BETWEEN_CHECKS, IsInterrupted};
@@ -15,6 +16,7 @@ use crate::health::Health;
 use crate::motion::Motion as StepMotion;
 use crate::planar::Odometry;
 use crate::settings::Readings;
+use crate::settings::gyroscope::mean_rate;
 use crate::settings::quantities::{Column, DIMENSIONS};
 use crate::step::terms::gyroscope_deviation;
 use six_wheel_kinematics::rover::Rover;
@@ -26,11 +28,11 @@ use six_wheel_numerics::simd::lanes::Lanes;
 pub struct PreintegratedMotion {
     /// `begin_from_end`
     pub motion: Motion3,
-    /// Its turn about z with all its full turns, in the plane [rad].
+    /// Its yaw with full turns, in the plane [rad].
     pub yaw: f64,
-    /// Covariance.
+    /// Covariance of its tangent at the end.
     pub covariance: Matrix6<f64>,
-    /// Derivatives.
+    /// Derivatives of its tangent at the end.
     pub columns: Vec<(Column, Vector6<f64>)>,
 }
 
@@ -41,31 +43,34 @@ impl PreintegratedMotion {
             ErrorFrame::End => return self.covariance,
             ErrorFrame::Begin => self.motion.adjoint(),
             ErrorFrame::Coordinates => {
-                let turned = Motion3 { translation: Vector3::zeros(), ..self.motion };
-                turned.adjoint()
+                let rotation = Motion3 { translation: Vector3::zeros(), ..self.motion };
+                rotation.adjoint()
             }
         };
         change * self.covariance * change.transpose()
     }
 
-    /// The motion after a change of its tangent, and its turn about z.
+    /// The motion after a change of its tangent at the end, and its yaw [rad].
     pub fn corrected(&self, change: [f64; 6]) -> (Motion3, f64) {
         let moved = self.motion.compose(&Motion3::exp(&change.into()));
         (moved, self.yaw + change[5])
     }
 
-    /// Derivative by one thing; zero if the motion does not answer to it.
+    /// Derivative by one quantity; zero if the motion does not depend on it.
     #[inline]
-    pub fn by(&self, wanted: Column) -> Vector6<f64> {
-        let found = self.columns.iter().find(|(column, _)| *column == wanted);
+    pub fn by(&self, quantity: Column) -> Vector6<f64> {
+        let found = self.columns.iter().find(|(column, _)| *column == quantity);
         found.map_or_else(Vector6::zeros, |(_, by)| *by)
     }
 }
 
-/// Sums in axes of the beginning.
+/// Sums over the steps, in axes of the beginning.
 struct Sums {
+    /// Covariance by errors that no later step shares.
     settled: Matrix6<f64>,
+    /// Errors of the motion by the readings that the next step shares.
     carried: Vec<Vector6<f64>>,
+    /// Derivatives.
     columns: Vec<(Column, Vector6<f64>)>,
 }
 
@@ -86,7 +91,7 @@ fn rotation([x, y, z, w]: [f64; 4]) -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
 }
 
-/// The matrix that takes a displacement in the plane to a tangent in space.
+/// The matrix that maps a displacement in the plane to a tangent in space.
 fn embedding() -> Matrix6x3<f64> {
     let mut embedding = Matrix6x3::zeros();
     for (k, row) in PLANE.into_iter().enumerate() {
@@ -96,7 +101,7 @@ fn embedding() -> Matrix6x3<f64> {
 }
 
 impl Preintegrated {
-    /// Rotation of the body over the step that ends with sample `k`, by the attitudes; none in the plane.
+    /// Rotation of the body over the step that ends with sample `k`, by the attitudes; identity in the plane.
     fn relative_rotation(&self, k: usize) -> UnitQuaternion<f64> {
         if !self.options.in_space {
             return UnitQuaternion::identity();
@@ -105,7 +110,7 @@ impl Preintegrated {
         before.inverse() * after
     }
 
-    /// Integrates the samples once more, with covariance and all derivatives.
+    /// Integrates the samples with covariance and all derivatives.
     pub fn replay(&self, is_interrupted: IsInterrupted) -> Result<PreintegratedMotion, Error> {
         let mut odometry = self.fresh.clone();
         odometry.work.constants.is_constant = false; // every step is fitted, and has derivatives
@@ -144,7 +149,7 @@ impl Preintegrated {
 }
 
 impl Sums {
-    /// A share of one step, which begins where `motion` ends.
+    /// Adds a fraction `share` of one step, which begins where `motion` ends. Returns its tangent.
     fn step(
         &mut self,
         of: &Preintegrated,
@@ -158,8 +163,7 @@ impl Sums {
         odometry.difference(&sample, dt);
         let relative = of.relative_rotation(k);
         let turned = relative.scaled_axis();
-        let by_rates =
-            sample.yaw_rate.map(|rate| f64::midpoint(odometry.reference.yaw_rate.unwrap_or(rate), rate) * dt);
+        let by_rates = sample.yaw_rate.map(|rate| mean_rate(odometry.reference.yaw_rate, rate) * dt);
         let from_attitude = of.options.in_space && by_rates.is_none();
         let gyro_turn = if from_attitude { Some(turned.z) } else { by_rates };
         let Odometry { rover, settings, reference, angles, turned: rotations, work, .. } = &mut *odometry;
@@ -178,23 +182,23 @@ impl Sums {
         }
         (step[3], step[4]) = (turned.x, turned.y);
         step *= share;
-        let answer = motion.adjoint() * left_jacobian(&step) * share;
-        self.add_plane_errors(odometry, dt, share, &(answer * embedding()));
+        let by_step = motion.adjoint() * left_jacobian(&step) * share;
+        self.add_plane_errors(odometry, dt, share, &(by_step * embedding()));
         if of.options.in_space {
             let by_turn = if from_attitude { odometry.work.gain.into() } else { Vector3::zeros() };
-            self.tilt(of, &turned, &relative, &by_turn, &answer);
+            self.add_tilt_errors(of, &turned, &relative, &by_turn, &by_step);
         }
         odometry.commit_sample(&sample, Health::GOOD, gyro_turn);
         Ok(step)
     }
 
-    /// Errors and derivatives of the displacement in the plane, of which the end answers to errors by `by_plane`.
+    /// Adds errors and derivatives of the displacement in the plane; `by_plane` is the derivative of the motion by it.
     fn add_plane_errors(&mut self, odometry: &Odometry, dt: f64, share: f64, by_plane: &Matrix6x3<f64>) {
         let Odometry { rover, settings, work, .. } = odometry;
         let gain = Vector3::from(work.gain);
-        // (I - K H), by which a gyroscope leaves errors of the wheels.
+        // Errors of the wheels after the fusion with a gyroscope: (I - K H) e.
         let by_wheels = by_plane * (Matrix3::identity() - gain * Vector3::z().transpose());
-        // Errors of this step alone are independent in each part of it.
+        // The variance of a fraction of a step is that fraction of the whole variance.
         self.settled += by_plane * work.noise.own.matrix() * by_plane.transpose() / share.max(f64::MIN_POSITIVE);
         let mut add = |carried: &mut Vector6<f64>, old: Vector6<f64>, new: Vector6<f64>| {
             let whole = *carried + old;
@@ -217,14 +221,15 @@ impl Sums {
         }
     }
 
-    /// Errors of the tilt of the attitudes at both ends of a step.
-    fn tilt(
+    /// Adds errors of the tilt of the attitudes at both ends of a step; `by_step` is the derivative of the motion by
+    /// the step.
+    fn add_tilt_errors(
         &mut self,
         of: &Preintegrated,
         turned: &Vector3<f64>,
         relative: &UnitQuaternion<f64>,
         by_turn: &Vector3<f64>,
-        answer: &Matrix6<f64>,
+        by_step: &Matrix6<f64>,
     ) {
         let about = Vector6::new(0.0, 0.0, 0.0, turned.x, turned.y, turned.z);
         let of_turn: Matrix3<f64> = right_jacobian(&about).fixed_view::<3, 3>(3, 3).into_owned();
@@ -235,7 +240,7 @@ impl Sums {
             error[axis] = of.options.attitude_noise;
             let [old, new] = [-(inverse * (relative.inverse() * error)), inverse * error].map(|d| {
                 let (ahead, left, turn) = (by_turn.x * d.z, by_turn.y * d.z, by_turn.z * d.z);
-                answer * Vector6::new(ahead, left, 0.0, d.x, d.y, turn)
+                by_step * Vector6::new(ahead, left, 0.0, d.x, d.y, turn)
             });
             let whole = *carried + old;
             self.settled += whole * whole.transpose();

@@ -1,4 +1,4 @@
-//! Samples of a motion, as they were taken in.
+//! The samples of a motion.
 
 use crate::samples::recording::Sample;
 
@@ -18,7 +18,7 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// Takes in one, with its attitude in space.
+    /// Adds a sample, with its attitude in space.
     #[inline]
     pub(super) fn push(&mut self, sample: Sample<'_>, attitude: Option<[f64; 4]>) {
         self.stamps.push(sample.stamp);

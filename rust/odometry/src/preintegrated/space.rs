@@ -1,5 +1,5 @@
-//! Motions in space: SE(3) exponential, logarithm, adjoint and the Jacobian of the exponential. The plane is the
-//! subspace of x, y and yaw, in which all of them stay.
+//! Motions in space: SE(3) exponential, logarithm, adjoint and the Jacobian of the exponential. Motions in the plane
+//! are the subgroup with x, y and yaw, closed under all of them.
 //!
 //! A tangent is `(x, y, z, about x, about y, about z)`, in the order of ROS messages [m, m, m, rad, rad, rad].
 //!
@@ -10,10 +10,10 @@ use nalgebra::{Matrix3, Matrix6, Rotation3, UnitQuaternion, Vector3, Vector6};
 use six_wheel_numerics::error::{Error, finite, number};
 use six_wheel_numerics::simd::polynomials::taylor;
 
-/// Largest deviation of `R R^T` from the identity that is taken for rounding of the input.
+/// Largest deviation of `R Rᵀ` from the identity that counts as rounding of the input.
 const ORTHOGONAL: f64 = 1e-6;
 
-/// Turn below which the series is used [rad]: what is left out is below 1e-18 there.
+/// Angle below which the series are used [rad]: their truncation error is below 1e-18.
 const SERIES: f64 = 0.3;
 
 /// The functions of [`quotients`] in powers of `t²`. The last one is the difference of the series of `t cos t` and
@@ -38,7 +38,7 @@ pub struct Motion3 {
 }
 
 impl Motion3 {
-    /// None.
+    /// No motion.
     #[inline]
     pub fn identity() -> Self {
         Self { rotation: UnitQuaternion::identity(), translation: Vector3::zeros() }
@@ -49,19 +49,19 @@ impl Motion3 {
         Self { rotation: UnitQuaternion::from_scaled_axis(Vector3::z() * yaw), translation: Vector3::new(x, y, 0.0) }
     }
 
-    /// Motion after holding this tangent for one unit of time.
+    /// The motion along this tangent in one unit of time.
     #[inline]
     pub fn exp(tangent: &Vector6<f64>) -> Self {
-        let (way, turn) = split(tangent);
-        Self { rotation: UnitQuaternion::from_scaled_axis(turn), translation: left_jacobian_of_turn(&turn) * way }
+        let (linear, turn) = split(tangent);
+        Self { rotation: UnitQuaternion::from_scaled_axis(turn), translation: left_jacobian_of_turn(&turn) * linear }
     }
 
-    /// The tangent that leads here, turning the short way round.
+    /// The tangent of this motion, with a rotation of at most half a turn.
     pub fn log(&self) -> Vector6<f64> {
         let turn = self.rotation.scaled_axis();
         let inverse = left_jacobian_of_turn(&turn).try_inverse();
-        let way = inverse.map_or(self.translation, |inverse| inverse * self.translation);
-        joined(&way, &turn)
+        let linear = inverse.map_or(self.translation, |inverse| inverse * self.translation);
+        join(&linear, &turn)
     }
 
     /// `a_from_c = a_from_b * b_from_c`
@@ -81,7 +81,7 @@ impl Motion3 {
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
-    /// Matrix that takes a tangent in axes of b to axes of a: `self exp(t) = exp(adjoint t) self`.
+    /// Matrix that maps a tangent in axes of b to axes of a: `self exp(t) = exp(adjoint t) self`.
     pub fn adjoint(&self) -> Matrix6<f64> {
         let turn = *self.rotation.to_rotation_matrix().matrix();
         let mut adjoint = Matrix6::zeros();
@@ -129,8 +129,8 @@ fn split(tangent: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (Vector3::new(tangent[0], tangent[1], tangent[2]), Vector3::new(tangent[3], tangent[4], tangent[5]))
 }
 
-fn joined(way: &Vector3<f64>, turn: &Vector3<f64>) -> Vector6<f64> {
-    Vector6::new(way.x, way.y, way.z, turn.x, turn.y, turn.z)
+fn join(linear: &Vector3<f64>, turn: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(linear.x, linear.y, linear.z, turn.x, turn.y, turn.z)
 }
 
 fn set(matrix: &mut Matrix6<f64>, row: usize, column: usize, block: &Matrix3<f64>) {
@@ -162,9 +162,9 @@ fn left_jacobian_of_turn(turn: &Vector3<f64>) -> Matrix3<f64> {
 /// Derivative of `exp(tangent)` with respect to the tangent, in axes of its start: `exp(t + d) = exp(left_jacobian(t)
 /// d) exp(t)`.
 pub fn left_jacobian(tangent: &Vector6<f64>) -> Matrix6<f64> {
-    let (way, turn) = split(tangent);
+    let (linear, turn) = split(tangent);
     let [_, a, b, c] = quotients(turn.norm());
-    let (w, t) = (way.cross_matrix(), turn.cross_matrix());
+    let (w, t) = (linear.cross_matrix(), turn.cross_matrix());
     let (tw, wt) = (t * w, w * t);
     let twt = tw * t;
     let mixed = w * 0.5 + (tw + wt + twt) * a + (t * tw + wt * t - twt * 3.0) * b + (twt * t + t * twt) * c;

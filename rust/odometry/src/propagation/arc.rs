@@ -7,7 +7,7 @@ use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::polynomials::{horner, sinc_of_square, taylor};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Half turn below which the factors of an arc are series [rad]: what is left out is below 1e-17.
+/// Half yaw increment below which the factors of an arc are series [rad]: their truncation error is below 1e-17.
 const SMALL_TURN: f64 = 0.25;
 
 /// `cos h` in powers of h².
@@ -24,10 +24,10 @@ const CHORD_DERIVATIVE: [f64; 7] = {
     difference
 };
 
-/// Factors of an arc by half its turn h.
+/// Factors of an arc with the yaw increment 2 h.
 #[derive(Clone, Copy)]
 pub(crate) struct Arc<S: Simd> {
-    /// Chord over length, `sin h / h`.
+    /// Length of the chord over that of the arc, `sin h / h`.
     chord: Lanes<S>,
     /// Derivative of that by h.
     chord_derivative: Lanes<S>,
@@ -61,7 +61,7 @@ impl<S: Vector> Arc<S> {
     }
 }
 
-/// Chord over length of an arc, by half its turn [rad].
+/// Length of the chord over that of an arc, `sin h / h`, by half its yaw increment h [rad].
 #[inline(always)]
 pub(crate) fn chord_ratio<S: Vector>(simd: S, half: Lanes<S>) -> Lanes<S> {
     let chord = sinc_of_square(simd, half * half);
@@ -78,7 +78,8 @@ pub(crate) fn chord_ratio<S: Vector>(simd: S, half: Lanes<S>) -> Lanes<S> {
 pub(crate) struct StepJacobian<S: Simd> {
     /// Displacement in world axes [m].
     pub shift: [Lanes<S>; 2],
-    /// By the displacement in body axes; an error of it leaves the yaw as it is, so the third row is 0, 0, 1.
+    /// First two rows of L, the derivative of the end by the displacement in body axes. The third row is 0, 0, 1: the
+    /// yaw at the end is the yaw at the start plus that of the displacement.
     pub by_displacement: [[Lanes<S>; 3]; 2],
 }
 
@@ -86,7 +87,7 @@ pub(crate) struct StepJacobian<S: Simd> {
 impl<S: Simd> StepJacobian<S> {
     /// From the sine and cosine of the heading at the start and the displacement `[x, y, yaw]` in body axes.
     pub fn new([x, y, _]: [Lanes<S>; 3], arc: Arc<S>, [heading_sin, heading_cos]: [Lanes<S>; 2]) -> Self {
-        // The chord leaves at half the turn, in world axes.
+        // Sine and cosine of the direction of the chord in world axes: heading plus half the yaw increment.
         let Arc { chord, chord_derivative, sin, cos } = arc;
         let (s, c) = (heading_sin * cos + heading_cos * sin, heading_cos * cos - heading_sin * sin);
         let (ahead, left) = (c * x - s * y, s * x + c * y);
@@ -105,7 +106,7 @@ impl<S: Simd> StepJacobian<S> {
         [-self.shift[1], self.shift[0]]
     }
 
-    /// Error of the pose at the end by an error of the displacement.
+    /// Error of the pose at the end by an error of the displacement: `L d`.
     pub fn displacement_error(&self, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let [[a, b, c], [d, e, f]] = self.by_displacement;
         [c.mul_add(z, b.mul_add(y, a * x)), f.mul_add(z, e.mul_add(y, d * x)), z]
@@ -118,7 +119,7 @@ impl<S: Simd> StepJacobian<S> {
 }
 
 impl<S: Vector> StepJacobian<S> {
-    /// The same in every lane of another level, from the last lane.
+    /// The Jacobian of the last lane, in every lane of another level.
     #[inline(always)]
     pub fn broadcast<T: Simd>(&self, simd: S, to: T) -> StepJacobian<T> {
         let [[a, b, c], [d, e, f]] = self.by_displacement;
@@ -129,7 +130,7 @@ impl<S: Vector> StepJacobian<S> {
         }
     }
 
-    /// The whole matrix by the displacement, of the last lane.
+    /// The matrix L of the last lane.
     #[cfg(test)]
     pub fn matrix(&self, simd: S) -> nalgebra::Matrix3<f64> {
         let [[a, b, c], [d, e, f]] = self.by_displacement.map(|row| row.map(|lanes| lanes.last(simd)));

@@ -1,7 +1,7 @@
 //! Symmetric matrices of three rows, as covariances of a displacement or a pose are.
 //!
-//! nalgebra knows no such type, and its general products, which are made for any size, took half the time of a
-//! step. Here symmetry is in the type, and every product is a handful of sums.
+//! nalgebra has no such type, and its products, written for any size, took half the time of a step. Here symmetry is in
+//! the type, and every product is a few sums.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -11,7 +11,7 @@ use pulp::{Scalar, Simd};
 use six_wheel_numerics::jacobi::Jacobi;
 use six_wheel_numerics::simd::lanes::Lanes;
 
-/// A symmetric matrix; a covariance as long as only squares are added and images taken.
+/// A symmetric matrix. Sums of squares `v vᵀ` and images `a S aᵀ` keep it positive semidefinite, as covariances are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Covariance3<T = f64> {
     xx: T,
@@ -70,7 +70,8 @@ impl Covariance3 {
         self.minors().into_iter().any(|value| value < 0.0)
     }
 
-    /// The same where no direction has a negative variance: what rounding made negative is as large the other way.
+    /// The matrix with the absolute values of its eigenvalues, so that no direction has a negative variance by
+    /// rounding.
     #[cold]
     pub fn without_negative(&self) -> Self {
         let matrix = self.matrix();
@@ -83,8 +84,9 @@ impl Covariance3 {
         positive
     }
 
+    /// True if every entry is below a bound in magnitude.
     pub fn is_below(&self, bound: f64) -> bool {
-        // No covariance is larger than the larger of its two variances. Rounding may turn the sign of huge variances.
+        // No covariance exceeds the larger of its two variances. Rounding may make huge variances negative.
         self.diagonal().iter().all(|variance| variance.abs() < bound)
     }
 
@@ -178,7 +180,7 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Covariance3<
 }
 
 impl Covariance3 {
-    /// The same in one lane.
+    /// The matrix in registers of one lane.
     #[inline(always)]
     pub fn lane(self) -> Covariance3<Lanes<Scalar>> {
         Covariance3::from(lane(self.into()))
@@ -207,7 +209,8 @@ pub(crate) fn numbers<const N: usize>(lanes: [Lanes<Scalar>; N]) -> [f64; N] {
 
 #[inline_always]
 impl<S: Simd> Covariance3<Lanes<S>> {
-    /// `L S Lᵀ` of a matrix whose third row is 0, 0, 1: the covariance at the end of a step by that of its displacement.
+    /// `L S Lᵀ` with the first two rows of L, whose third is 0, 0, 1: the covariance of the end of a step by that of
+    /// its displacement.
     pub fn displacement_image(&self, a: &[[Lanes<S>; 3]; 2]) -> Self {
         let dot = |p: Lanes<S>, q: Lanes<S>, r: Lanes<S>, k: usize| r.mul_add(a[k][2], q.mul_add(a[k][1], p * a[k][0]));
         let (xz, yz) = (dot(self.xz, self.yz, self.zz, 0), dot(self.xz, self.yz, self.zz, 1));
@@ -228,12 +231,12 @@ impl<S: Simd> Covariance3<Lanes<S>> {
         Self::from([Lanes::splat(simd, 0.0); 6])
     }
 
-    /// With the product of a vector with itself.
+    /// The sum with `v vᵀ`.
     pub fn and_square(self, vector: [Lanes<S>; 3]) -> Self {
         self.and_product(vector, vector)
     }
 
-    /// With `factor v vᵀ`.
+    /// The sum with `factor v vᵀ`.
     pub fn and_scaled_square(self, [x, y, z]: [Lanes<S>; 3], factor: Lanes<S>) -> Self {
         self.and_product([x * factor, y * factor, z * factor], [x, y, z])
     }
@@ -255,7 +258,8 @@ impl<S: Simd> Covariance3<Lanes<S>> {
         Covariance3::from([xx.sum(), xy.sum(), xz.sum(), yy.sum(), yz.sum(), zz.sum()])
     }
 
-    /// `F S Fᵀ`, `F = [[1, 0, x], [0, 1, y], [0, 0, 1]]`: the covariance at the end of a step by that at its start.
+    /// `F S Fᵀ`, `F = [[1, 0, x], [0, 1, y], [0, 0, 1]]` with the yaw lever `[x, y]` [m]: the covariance at the end of
+    /// a step by that at its start.
     pub fn propagate(&self, [x, y]: [Lanes<S>; 2]) -> Self {
         let (xz, yz) = (x.mul_add(self.zz, self.xz), y.mul_add(self.zz, self.yz));
         Self {

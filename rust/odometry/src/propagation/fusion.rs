@@ -12,23 +12,23 @@ use six_wheel_numerics::simd::lanes::Lanes;
 /// Measurement of a gyroscope in a step.
 #[derive(Clone, Copy)]
 pub(crate) struct GyroscopeIncrement<S: Simd> {
-    /// 1, or 0 where there is no reading: then its gain is 0, which changes nothing.
+    /// 1, or 0 where there is no reading: then its gain is 0.
     pub is_read: Lanes<S>,
     /// Its yaw increment less that by its bias [rad].
     pub turn: Lanes<S>,
-    /// Deviation of that by a reading at one end [rad].
+    /// Standard deviation of `turn` by the reading at one end of the step [rad].
     pub deviation: Lanes<S>,
     /// Variance of the bias at the start [rad²/s²].
     pub bias_variance: Lanes<S>,
 }
 
-/// Gain K of each part of a displacement, by the yaw increment of the gyroscope beyond that of the wheels.
+/// Gain K of each part of a displacement [m/rad, m/rad, 1], multiplied by the innovation `turn - d_yaw`.
 pub(crate) type KalmanGain<S> = [Lanes<S>; 3];
 
 #[inline_always]
 impl<S: Simd> GyroscopeIncrement<S> {
-    /// The gain, of wheels whose displacement has this covariance. Where neither has any noise the gyroscope is taken at
-    /// its word.
+    /// The gain for wheels whose displacement has this covariance: `K = P Hᵀ / S`, `S = P_zz + 2 deviation² + bias
+    /// variance dt²`. If neither has any noise, the yaw increment is that of the gyroscope.
     pub fn kalman_gain(&self, wheels: Covariance3<Lanes<S>>, dt: Lanes<S>) -> KalmanGain<S> {
         let [_, _, x, _, y, z] = wheels.into();
         let splat = |number| Lanes::splat(dt.simd(), number);
@@ -62,7 +62,8 @@ pub(crate) fn remaining_error<S: Simd>([to_x, to_y, to_z]: KalmanGain<S>, [x, y,
     [(-to_x).mul_add(z, x), (-to_y).mul_add(z, y), (one - to_z) * z]
 }
 
-/// The same of its covariance.
+/// Covariance P of the wheels' displacement after the fusion, without the gyroscope's own noise: `(I - K H) P (I - K
+/// H)ᵀ`.
 #[inline(always)]
 pub(crate) fn remaining_covariance<S: Simd>(
     [to_x, to_y, to_z]: KalmanGain<S>,

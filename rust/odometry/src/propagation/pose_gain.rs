@@ -4,19 +4,19 @@ use nalgebra::SMatrix;
 
 use six_wheel_numerics::jacobi::Jacobi;
 
-/// Gain of a measurement `H e` of a pose's error e, with the parts in which it is known.
+/// Gain of a measurement `H e` of a pose's error e, some of whose components may be unknown.
 #[derive(Clone, Copy, Debug)]
 pub struct PoseGain<const N: usize> {
     /// `K = P Hᵀ (H P Hᵀ + R)⁻¹`
     pub gain: SMatrix<f64, N, N>,
-    /// H, zero in the rows of unknown parts.
+    /// H, zero in the rows of unknown components.
     pub by_error: SMatrix<f64, N, N>,
-    /// R, zero for unknown parts.
+    /// R, zero for unknown components.
     pub noise: SMatrix<f64, N, N>,
 }
 
 impl<const N: usize> PoseGain<N> {
-    /// For a pose with covariance P and a measurement H with covariance R, infinite where a part is unknown.
+    /// For a pose with covariance P and a measurement H with covariance R, infinite for unknown components.
     pub fn new(covariance: &SMatrix<f64, N, N>, by_error: &SMatrix<f64, N, N>, measured: &SMatrix<f64, N, N>) -> Self {
         let mut known = SMatrix::zeros();
         let mut noise = *measured;
@@ -32,7 +32,7 @@ impl<const N: usize> PoseGain<N> {
         let cross = covariance * by_error.transpose();
         let innovation = by_error * cross + noise + (SMatrix::identity() - known);
         let gain = if noise.iter().all(|part| *part == 0.0) {
-            // An exact measurement: the pose becomes the measured one, and the rest follows by its correlation.
+            // An exact measurement: measured components become exact, the others are corrected by their correlation.
             innovation.cholesky().map_or(known, |innovation| cross * innovation.inverse())
         } else {
             cross * Jacobi::new(&innovation).inverse(f64::EPSILON * innovation.amax())

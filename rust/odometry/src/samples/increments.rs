@@ -4,21 +4,21 @@ use crate::samples::skipped_rows::SkippedRows;
 use crate::settings::{Readings, Settings};
 use six_wheel_numerics::error::{Error, number};
 
-/// Acceleration of a rim that no wheel on the ground has [m/s²]: twice that of a friction of 1.
+/// Upper bound of the acceleration of a rim on the ground [m/s²]: twice that at a friction coefficient of 1.
 const LARGEST_ACCELERATION: f64 = 20.0;
-/// Distance up to which a counter that starts over is not told from a wheel that turns [m].
+/// Distance up to which a restart of a counter cannot be distinguished from a rotation of the wheel [m].
 const LEAST_JUMP: f64 = 0.05;
-/// Number of steps like the last one from which on a step has lost readings in between.
+/// A step of more than this many times the last duration has lost readings.
 const LOST: f64 = 5.0;
 
-/// Duration of this step and of the one before [s], and the speed of the fastest wheel at its start, or more [m/s].
+/// Durations and speed from which the largest plausible rotation of a wheel in a step follows.
 #[derive(Clone, Copy, Debug)]
 pub struct StepTiming {
-    /// [s]
+    /// Duration of the step [s].
     pub dt: f64,
-    /// [s], 0 where there was none.
+    /// Duration of the step before [s]; 0 if there was none.
     pub last_dt: f64,
-    /// [m/s]
+    /// Upper bound of the rim speeds at the start of the step [m/s].
     pub speed: f64,
 }
 
@@ -66,18 +66,19 @@ pub fn add_increments(
     wrapped
 }
 
-/// True if the counter of these two readings may have started at zero in between: the second one is less than half as large.
+/// True if the counter may have restarted at zero between these two readings: the second one is less than half as
+/// large.
 #[inline]
 pub fn may_start_over(before: f64, after: f64) -> bool {
     2.0 * after.abs() < before.abs()
 }
 
-/// Finds the wheels whose counters have started again at zero, as after a reset of a microcontroller, and replaces their
+/// Finds the wheels whose counters restarted at zero, as after a reset of a microcontroller, and replaces their
 /// rotations by the counts since then. Returns true if there is one.
 ///
-/// Such a reading is so near to zero that the wheel can have come from there in the time of the step, at its speed and
-/// [`LARGEST_ACCELERATION`], and too far from the reading before. After lost readings any motion is possible: there a restart is
-/// found only where all wheels read exactly zero.
+/// The distance of such a reading from zero is at most `speed dt + a dt²`, with a the [`LARGEST_ACCELERATION`], and
+/// that from the reading before is larger. After lost readings any motion is possible: there a restart is found only if
+/// all wheels read exactly zero.
 pub fn count_from_zero(
     settings: &Settings,
     [before, after]: [&[f64]; 2],
@@ -107,7 +108,7 @@ pub fn count_from_zero(
     started
 }
 
-/// Fails if a wheel of this name and radius, after this rotation, rolled faster than the rover can.
+/// Fails if a wheel (name, radius [m], rotation in the step [rad]) rolled faster than the settings allow.
 pub fn check_rim_speed<'a>(
     settings: &Settings,
     skipped: &SkippedRows,
@@ -126,7 +127,7 @@ pub fn check_rim_speed<'a>(
     Ok(())
 }
 
-/// Fails if a joint of this name, with these angles before and after, steered faster than the rover can.
+/// Fails if a joint (name, angles before and after the step [rad]) steered faster than the settings allow.
 pub fn check_steering_rate<'a>(
     settings: &Settings,
     dt: f64,

@@ -1,4 +1,4 @@
-//! Samples of a log, one or all of them, and the rows that their results go to.
+//! Samples of a log, one or all of them, and the rows of their results.
 
 /// Readings at one instant.
 #[derive(Clone, Copy, Debug)]
@@ -9,7 +9,7 @@ pub struct Sample<'a> {
     pub wheels: &'a [f64],
     /// Time of the readings [s].
     pub stamp: f64,
-    /// Absolute yaw from a sensor with a zero of its own [rad].
+    /// Absolute yaw of a sensor whose zero is unknown [rad].
     pub yaw: Option<f64>,
     /// Yaw rate of a gyroscope [rad/s].
     pub yaw_rate: Option<f64>,
@@ -43,16 +43,16 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// End of the rows from `first` on of which at most the last one has a yaw, `most` of them at most.
+    /// End of up to `most` rows from `first` on, of which only the last one may have a yaw, a finite one.
     pub(crate) fn until_yaw(&self, first: usize, most: usize) -> usize {
         let end = self.stamps.len().min(first + most);
-        let told = self.yaws.and_then(|yaws| {
+        let with_yaw = self.yaws.and_then(|yaws| {
             let found = yaws[first..end].iter().position(|yaw| !yaw.is_nan());
             found.map(|k| first + k)
         });
-        told.map_or(end, |row| {
-            let is_usual = self.yaws.is_some_and(|yaws| yaws[row].is_finite());
-            row + usize::from(is_usual)
+        with_yaw.map_or(end, |row| {
+            let is_finite = self.yaws.is_some_and(|yaws| yaws[row].is_finite());
+            row + usize::from(is_finite)
         })
     }
 }
@@ -60,15 +60,15 @@ impl<'a> Recording<'a> {
 /// Output of a log, one row per sample.
 #[derive(Debug)]
 pub struct TrackRows<'a> {
-    /// Poses.
+    /// Poses [m, m, rad].
     pub poses: &'a mut [[f64; 3]],
-    /// Twists.
+    /// Twists [m/s, m/s, rad/s].
     pub twists: &'a mut [[f64; 3]],
-    /// Covariances of the poses; None to do without.
+    /// Covariances of the poses; None: they are not written.
     pub covariances: Option<&'a mut [[f64; 9]]>,
-    /// Residuals of the wheels [m/s], row after row; None to do without.
+    /// Residuals of the wheels [m/s], row after row; None: they are not written.
     pub residuals: Option<&'a mut [f64]>,
-    /// Weights of the wheels, row after row; None to do without.
+    /// Weights of the wheels, row after row; None: they are not written.
     pub weights: Option<&'a mut [f64]>,
     /// Flags.
     pub health: &'a mut [u32],

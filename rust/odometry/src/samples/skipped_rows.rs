@@ -1,23 +1,22 @@
-//! Memory of the rows of a log that were left out.
+//! Record of the rows of a log that were left out.
 
 use crate::health::Health;
 use crate::samples::recording::Sample;
 use crate::settings::Readings;
 
-/// Record of rows that were left out, kept until a row is taken in again.
+/// Record of rows that were left out since the last update.
 ///
-/// - `flag` is [`Health::BACKWARDS`] or [`Health::JUMP`] if a row was left out for that since the last good one, and
-///   then `stamp`, `wheels` and `steering` are the readings of the last such row; otherwise it is [`Health::GOOD`] and
-///   they mean nothing.
-/// - `pending` is not zero only where the readings are increments: the sum of those in rows left out because of their
-///   stamps, which did happen and belong to the next step. In running totals the next row contains them.
-/// - Both are cleared by every row taken in ([`Self::clear`]); `marked` says that there is anything to clear, so that a
-///   good row after a good row pays one comparison.
+/// - `flag` is [`Health::BACKWARDS`] or [`Health::JUMP`] if a row was left out for that since the last update, and then
+/// `stamp`, `wheels` and `steering` are the readings of the last such row; otherwise it is [`Health::GOOD`] and they
+/// are undefined. - `pending` is not zero only if the readings are increments: the sum of those in rows left out
+/// because of their stamps, which belong to the next step. In running totals the next row contains them. - Every update
+/// clears both ([`Self::clear`]); `marked` is true if they are to be cleared, so that an update after an update takes
+/// one comparison.
 #[derive(Clone, Debug)]
 pub struct SkippedRows {
     /// The reason for which the last row was left out.
     pub flag: Health,
-    /// [s]
+    /// Stamp of the last row left out [s].
     pub stamp: f64,
     /// As the encoders count.
     pub wheels: Vec<f64>,
@@ -41,7 +40,7 @@ impl SkippedRows {
         }
     }
 
-    /// Forgets the rows left out: one was taken in.
+    /// Clears the record after an update.
     #[inline]
     pub fn clear(&mut self) {
         if self.marked {
@@ -51,19 +50,19 @@ impl SkippedRows {
         }
     }
 
-    /// Increment of a wheel in the rows left out since the last good one, as its encoder counts.
+    /// Increment of a wheel in the rows left out since the last update, as its encoder counts.
     #[inline]
     pub fn pending_increment(&self, wheel: usize) -> f64 {
         self.pending[wheel]
     }
 
-    /// True if a refused row may go on from the one that was left out before it for the same reason.
+    /// True if a refused row may be consistent with the row that was left out before it for the same reason.
     #[inline]
     pub fn precedes(&self, flag: Health, stamp: f64) -> bool {
         (flag == Health::BACKWARDS || flag == Health::JUMP) && self.flag == flag && stamp > self.stamp
     }
 
-    /// Notes a row that is left out: its readings, and its increments, which did happen.
+    /// Records a row that is left out: its readings, and its increments.
     pub fn leave_out(&mut self, flag: Health, sample: &Sample<'_>, readings: Readings) {
         if flag == Health::BACKWARDS || flag == Health::JUMP {
             self.marked = true;

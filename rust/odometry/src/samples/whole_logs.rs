@@ -1,8 +1,8 @@
-//! Whole logs as they are, in the plane and in space: rows that cannot be used are left out and flagged, the rows after
-//! them are not lost.
+//! Whole logs with faulty rows, in the plane and in space: rows that cannot be used are left out and flagged, the rows
+//! after them are used.
 //!
-//! Running totals make good for a row left out by themselves, increments are pending to the next row. A clock or a
-//! counter that goes on from another value for good is followed from the second such row on.
+//! Running totals contain the motion over a row left out, increments are added to the next row. After a change of the
+//! zero of the clock or of a counter, rows are used from the second one on.
 
 use crate::health::{Health, Refusal};
 use crate::samples::recording::Sample;
@@ -11,12 +11,12 @@ use crate::settings::Settings;
 use six_wheel_numerics::error::{Error, ErrorKind};
 use six_wheel_numerics::threads::workers::{BETWEEN_CHECKS, IsInterrupted};
 
-/// Rows that are taken in one by one before blocks of rows are tried again.
+/// Updates row by row before blocks of rows are tried again.
 const SINGLY: usize = 8;
 
-/// Memory of one dead reckoning that the rules for whole logs read and set.
+/// Part of the state of a dead reckoning that [`LogOdometry`] reads and sets.
 pub struct LogMemory<'a, R> {
-    /// The sample from which the next one counts.
+    /// The sample at which the next step starts.
     pub reference: &'a mut R,
     /// The rows left out.
     pub skipped: &'a mut SkippedRows,
@@ -32,9 +32,9 @@ pub trait LogOdometry: Clone {
     type Recording<'a>;
     /// Output of a log, one row per sample.
     type Track<'a>;
-    /// The sample from which the next one counts.
+    /// The sample at which the next step starts.
     type Reference: Clone;
-    /// Memory to take in blocks of rows.
+    /// Memory of updates by blocks of rows.
     type Blocks;
 
     /// The settings.
@@ -52,29 +52,30 @@ pub trait LogOdometry: Clone {
     /// The readings of wheels and steering joints.
     fn readings<'a>(sample: &'a Self::Sample<'_>) -> Sample<'a>;
 
-    /// Takes in a sample. On failure nothing has changed.
+    /// Updates the state by a sample. On failure nothing has changed.
     fn try_update(&mut self, sample: Self::Sample<'_>) -> Result<Health, Refusal>;
 
-    /// Sets the clock of the reference.
+    /// Sets the stamp of the reference [s].
     fn set_reference_stamp(&mut self, stamp: f64);
 
     /// Makes the last row left out the reference.
     fn refer_to_skipped(&mut self);
 
-    /// True if a log may fail, after which all is as it was before. Fails unless there is memory for that copy.
+    /// True if a log may fail, so that a copy of the state has to be restored. Fails if there is no memory for the
+    /// copy.
     fn needs_copy(&self, strict: bool) -> Result<bool, Error>;
 
     /// Writes the last sample, with its flags, to a row.
     fn write(&self, k: usize, flags: Health, track: &mut Self::Track<'_>);
 
-    /// Memory to take in blocks of rows; None where rows are taken in one by one.
+    /// Memory of updates by blocks of rows; None if rows have to be integrated one by one.
     fn blocks(&self) -> Option<Self::Blocks> {
         None
     }
 
-    /// Takes in a block of rows from `first` on, the row before which has just been taken in, and writes them. Returns their
-    /// number.
-    fn take_block(
+    /// Updates the state by a block of rows from `first` on, and writes them; the last update was by the row before
+    /// `first`. Returns their number.
+    fn update_block(
         &mut self,
         _recording: &Self::Recording<'_>,
         _first: usize,
@@ -84,10 +85,10 @@ pub trait LogOdometry: Clone {
         0
     }
 
-    /// Takes in a sample that is acceptable; otherwise leaves it out and returns the flag of the reason. The state goes on
-    /// from the last good one either way. Fails, with nothing changed, only where there is no memory for the history.
+    /// Updates the state by a sample, or leaves it out and returns the flag of the reason. Fails, with nothing changed,
+    /// only if there is no memory for the history.
     #[inline]
-    fn absorb(&mut self, sample: Self::Sample<'_>) -> Result<Health, Error> {
+    fn update_or_skip(&mut self, sample: Self::Sample<'_>) -> Result<Health, Error> {
         match self.try_update(sample) {
             Ok(health) => Ok(health),
             Err(refusal) if refusal.error.kind == ErrorKind::Memory => Err(refusal.error),
@@ -95,7 +96,8 @@ pub trait LogOdometry: Clone {
         }
     }
 
-    /// Leaves out a sample that was refused for the reason of this flag, unless a new clock or counter begins with it.
+    /// Leaves out a sample that was refused for the reason of this flag, unless it confirms a new zero of the clock or
+    /// a counter.
     fn skip_or_restart(&mut self, sample: Self::Sample<'_>, flag: Health) -> Health {
         let readings = Self::readings(&sample);
         if self.log_memory().skipped.precedes(flag, readings.stamp)
@@ -108,13 +110,13 @@ pub trait LogOdometry: Clone {
         flag
     }
 
-    /// Starts over at the second row in succession that is consistent with the row left out before it only: its clock or its
-    /// counters have a new zero.
+    /// Updates the state by a refused row that is consistent with the row left out before it: the clock or the counters
+    /// have a new zero. None if it is not.
     fn restart(&mut self, sample: Self::Sample<'_>, flag: Health) -> Option<Health> {
         let LogMemory { reference, skipped, .. } = self.log_memory();
         let (before, skipped) = (reference.clone(), skipped.stamp);
         if flag == Health::BACKWARDS {
-            // The clock was set back: the row left out and this one take a step each.
+            // The clock was set back: the row left out is one step after the reference, and this row another.
             self.set_reference_stamp(2.0 * skipped - Self::readings(&sample).stamp);
         } else {
             self.refer_to_skipped();
@@ -133,9 +135,9 @@ pub trait LogOdometry: Clone {
         }
     }
 
-    /// Takes in every row of a log, from where the last one ended. With `strict` the first row that cannot be used is an
-    /// error; otherwise such rows are left out and flagged. On failure nothing has changed; interrupted, the rows before
-    /// the one of the error are taken in.
+    /// Updates the state by every row of a log. With `strict` the first row that cannot be used is an error; otherwise
+    /// such rows are left out and flagged. On failure nothing has changed; after an interruption the rows before that
+    /// of the error are integrated.
     fn run(
         &mut self,
         recording: Self::Recording<'_>,
@@ -144,7 +146,7 @@ pub trait LogOdometry: Clone {
         is_interrupted: IsInterrupted,
     ) -> Result<(), Error> {
         let before = self.needs_copy(strict)?.then(|| self.clone());
-        let taken = self.take_all(&recording, strict, track, is_interrupted);
+        let taken = self.update_all(&recording, strict, track, is_interrupted);
         if let (Err(error), Some(before)) = (&taken, before)
             && error.kind != ErrorKind::Interrupted
         {
@@ -153,8 +155,8 @@ pub trait LogOdometry: Clone {
         taken
     }
 
-    /// The rows one after the other, in blocks where that can be.
-    fn take_all(
+    /// Updates by the rows, in blocks where possible.
+    fn update_all(
         &mut self,
         recording: &Self::Recording<'_>,
         strict: bool,
@@ -174,26 +176,26 @@ pub trait LogOdometry: Clone {
             if singly == 0
                 && let Some(blocks) = &mut blocks
             {
-                let taken = self.take_block(recording, k, blocks, &mut track);
-                k += taken;
-                singly = if taken == 0 { SINGLY } else { 0 };
+                let count = self.update_block(recording, k, blocks, &mut track);
+                k += count;
+                singly = if count == 0 { SINGLY } else { 0 };
                 continue;
             }
-            let flags = self.take_one(recording, strict, k)?;
+            let flags = self.update_row(recording, strict, k)?;
             self.write(k, flags, &mut track);
-            // The row before has to be the one from which the next one counts.
+            // A block starts at the reference, which is the row before unless that was left out.
             singly = if flags.is_left_out() { 1 } else { singly.saturating_sub(1) };
             k += 1;
         }
         Ok(())
     }
 
-    /// One row.
+    /// Update by one row.
     #[inline]
-    fn take_one(&mut self, recording: &Self::Recording<'_>, strict: bool, k: usize) -> Result<Health, Error> {
+    fn update_row(&mut self, recording: &Self::Recording<'_>, strict: bool, k: usize) -> Result<Health, Error> {
         let taken = match self.row(recording, k) {
             Ok(sample) if strict => self.try_update(sample).map_err(|refusal| refusal.error),
-            Ok(sample) => self.absorb(sample),
+            Ok(sample) => self.update_or_skip(sample),
             Err(error) if strict => Err(error),
             Err(_) => Ok(Health::NOT_FINITE),
         };

@@ -1,8 +1,8 @@
-//! Uncertain dimensions of a rover: their errors stay the same all along, so their share of the distance does not
-//! shrink as that of readings does.
+//! Uncertain dimensions of a rover. Their errors are constant over a run, so that the relative error of the distance
+//! does not decrease with it, as that by readings does.
 //!
-//! [`Deviations`] are errors of one standard deviation, independent of one another. The pose errs by a column for each,
-//! which goes along with every step; nothing that is learnt of the pose teaches the dimensions.
+//! [`Deviations`] are errors of one standard deviation, independent of one another. Every step propagates a column for
+//! each of them, the error of the pose by it; corrections of the pose do not correct the dimensions.
 //!
 //! Source: S. F. Schmidt, Application of State-Space Methods to Navigation Problems, Advances in Control Systems 3,
 //! 1966: parameters that are considered, but not estimated.
@@ -13,7 +13,7 @@ use super::quantities::{Column, DIMENSIONS};
 use six_wheel_kinematics::estimate::sensitivity::LinearisedFit;
 use six_wheel_numerics::error::{Error, HUGE, number};
 
-/// Numbers of one wheel that may be off, in their order: [`DIMENSIONS`], and the scale factors of the readings of its rotation
+/// Uncertain numbers of one wheel, in this order: [`DIMENSIONS`], and the scale factors of the readings of its rotation
 /// and of its steering angle.
 pub const NUMBERS: usize = DIMENSIONS.len() + 2;
 
@@ -22,12 +22,12 @@ pub const NUMBERS: usize = DIMENSIONS.len() + 2;
 pub struct Deviations {
     count: usize,
     wheels: usize,
-    /// Quantities that any of them moves, with the change by each of them.
+    /// Quantities that an error changes, with the change by each error.
     moved: Vec<(Column, Vec<f64>)>,
 }
 
 impl Deviations {
-    /// From a table for each of them: a row for every wheel, in it [`NUMBERS`].
+    /// From a table for each error: a row of [`NUMBERS`] for every wheel.
     pub fn new(tables: &[f64], wheels: usize) -> Result<Self, Error> {
         if let Some(wrong) = tables.iter().find(|by| by.is_nan() || by.abs() >= HUGE) {
             return Err(Error::value("dimensions", "be finite", number(*wrong)));
@@ -54,7 +54,7 @@ impl Deviations {
         self.count
     }
 
-    /// True if there is none: all dimensions are known.
+    /// True if there is none: all dimensions are exact.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.count == 0

@@ -4,16 +4,16 @@ use std::f64::consts::TAU;
 
 use six_wheel_numerics::error::{Error, finite, number, positive};
 
-/// An encoder as it is: how much it counts, through which gear, and where its counter starts over.
+/// An encoder: its resolution, gear, range of its counter and offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Encoder {
-    /// Counts per turn of the shaft it sits on; None if it reads radians.
+    /// Counts per turn of its shaft; None if it reads radians.
     pub resolution: Option<f64>,
-    /// Turns of that shaft per turn of the joint; negative if it runs the other way round.
+    /// Turns of that shaft per turn of the joint; negative if it turns in the opposite direction.
     pub gear: f64,
     /// Counts after which the counter starts over, 65536 for 16 bits; None if it never does.
     pub modulus: Option<f64>,
-    /// Angle of the joint where the counter is zero [rad]; it matters to steering joints.
+    /// Angle of the joint where the counter is zero [rad]; used for steering joints only.
     pub offset: f64,
 }
 
@@ -24,7 +24,7 @@ impl Default for Encoder {
 }
 
 impl Encoder {
-    /// Fails unless every number makes sense.
+    /// Fails unless every number is finite and in its range.
     pub fn check(&self) -> Result<(), Error> {
         for (argument, value) in [("ticks_per_turn", self.resolution), ("wraps_at", self.modulus)] {
             value.map_or(Ok(()), |value| positive(argument, value))?;
@@ -45,7 +45,8 @@ impl Encoder {
         self.resolution.map_or(1.0, |resolution| TAU / resolution) / self.gear
     }
 
-    /// Counts between two readings, the shorter way round, and whether that passed the end of the counter.
+    /// Counts between two readings, at most half the modulus in magnitude; true if the counter started over between
+    /// them.
     pub fn difference(&self, before: f64, after: f64) -> (f64, bool) {
         let difference = after - before;
         match self.modulus {
@@ -57,7 +58,8 @@ impl Encoder {
         }
     }
 
-    /// Angle of a steering joint at its first reading [rad]: a counter that starts over has no turns to tell.
+    /// Angle of a steering joint at its first reading [rad]. A counter with a modulus gives it in half a range to
+    /// either side of 0.
     pub fn first_angle(&self, counts: f64) -> f64 {
         let angle = counts * self.angle_per_count() + self.offset;
         match self.modulus {

@@ -1,18 +1,18 @@
-//! A gyroscope about the vertical axis of the body: its noise, and the bias it drifts with.
+//! A gyroscope about the vertical axis of the body: its noise and its bias.
 
 use nalgebra::Vector3;
 
 use crate::uncertainty::Bias;
 use six_wheel_numerics::error::{Error, finite, not_negative};
 
-/// Rim speed below which a wheel stands [m/s]: an encoder that ticks at all is above it.
+/// Rim speed up to which a wheel is at rest [m/s]: one count of a usual encoder in a step is faster.
 pub(crate) const STANDING: f64 = 1e-3;
 
-/// Deviations within which a reading may well be the bias.
+/// A reading within this many standard deviations of the bias may be the bias alone.
 pub(crate) const LIKELY: f64 = 4.0;
 
-/// Turn by a gyroscope in a step [rad]: the mean of its readings at both ends less the bias, times `dt`; without a
-/// reading `before` the one at the end alone.
+/// Yaw increment by a gyroscope in a step [rad]: the mean of its readings at both ends less the bias, times `dt`;
+/// without a reading `before` the one at the end alone.
 #[inline]
 pub(crate) fn turn(before: Option<f64>, rate: f64, bias: Option<Bias>, dt: f64) -> f64 {
     let known = bias.map_or(0.0, |bias| bias.value);
@@ -30,9 +30,9 @@ pub fn mean_rate(before: Option<f64>, rate: f64) -> f64 {
 pub struct Gyroscope {
     /// Standard deviation of a reading [rad/s].
     pub noise: f64,
-    /// Expected reading at rest, as known beforehand [rad/s].
+    /// Expected reading at rest, before the first sample [rad/s].
     pub bias: f64,
-    /// Standard deviation of that [rad/s].
+    /// Standard deviation of the bias before the first sample [rad/s].
     pub bias_noise: f64,
     /// Random walk of the bias, as a standard deviation after one second [rad/s per root s].
     pub bias_walk: f64,

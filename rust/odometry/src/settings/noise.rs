@@ -10,24 +10,25 @@ pub struct Noise {
     pub speed: f64,
     /// Deviation of every steering angle [rad].
     pub steering: f64,
-    /// Deviation of the distance a wheel slips along its heading while its pivot travels one metre; grows with the root
-    /// of the distance, whatever the sampling rate [m per root m].
+    /// Deviation of the slip of a wheel along its heading while its pivot travels one metre [m per root m]. It grows
+    /// with the root of the distance, independently of the sampling rate.
     pub slip: f64,
-    /// The same across its heading [m per root m]; rollers pass on along the wheel what does not turn them.
+    /// The same across its heading [m per root m]; with rollers, slip along their axes moves the wheel along its
+    /// heading too.
     pub side_slip: f64,
     /// Deviation of an absolute yaw reading [rad]; 0: exact.
     pub yaw: f64,
     /// Deviation of a yaw rate reading [rad/s]; 0: exact.
     pub yaw_rate: f64,
-    /// Time over which an error of speed, steering or yaw rate stays the same [s]. Readings that come more often
-    /// share their error, so that the growth per second does not depend on their rate. None: every reading errs on
-    /// its own.
+    /// Time over which an error of speed, steering or yaw rate is constant [s]. Readings that come more often share
+    /// their error, so that the growth of the variance per second does not depend on their rate. None: errors of
+    /// readings are independent.
     pub period: Option<f64>,
 }
 
 impl Default for Noise {
-    /// That of a typical rover, the laboratory tricycle of the OptiOdom recordings with dimensions from a tape: the ends
-    /// of its nine runs lie as far off as it says.
+    /// The noise of the laboratory tricycle of the OptiOdom recordings, with dimensions measured by tape: the errors at
+    /// the ends of its nine runs match it.
     fn default() -> Self {
         Self { slip: 0.03, side_slip: 0.03, ..Self::READINGS }
     }
@@ -38,7 +39,7 @@ impl Noise {
     pub const READINGS: Self =
         Self { speed: 0.01, steering: 0.009, slip: 0.0, side_slip: 0.0, yaw: 0.0, yaw_rate: 0.0, period: None };
 
-    /// True if the noise of the wheels is the default one: nobody measured this rover's.
+    /// True if the noise of the wheels is the default one, not measured on this rover.
     pub fn is_typical(&self) -> bool {
         let wheels = |noise: &Self| [noise.speed, noise.steering, noise.slip, noise.side_slip];
         wheels(self) == wheels(&Self::default())

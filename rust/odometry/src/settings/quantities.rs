@@ -1,21 +1,21 @@
-//! Quantities that the motion of a step answers to, and the derivative of its displacement by each.
+//! Quantities on which the motion of a step depends, and the derivative of its displacement by each.
 
 use nalgebra::Vector3;
 
 use six_wheel_kinematics::estimate::sensitivity::{LinearisedFit, Quantity};
 
-/// Something the motion answers to.
+/// A quantity on which the motion depends, and by which it has a column of derivatives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
     /// A dimension of a wheel.
     Dimension(Quantity, usize),
-    /// Share of the way a wheel rolled by which its contact slipped forwards.
+    /// Forward slip of a wheel's contact, as a share of the distance that the wheel rolled.
     Slip(usize),
-    /// The way a wheel slipped to its left, as a share of the way its pivot went.
+    /// Slip of a wheel's contact to its left, as a share of the distance that its pivot moved.
     SideSlip(usize),
-    /// Share by which a wheel turned more than was read.
+    /// Relative error of the readings of a wheel's rotation: true less read, over read.
     Turned(usize),
-    /// Share by which a wheel is steered farther than was read.
+    /// Relative error of the readings of a wheel's steering angle: true less read, over read.
     Steered(usize),
     /// The bias of the gyroscope [rad/s].
     Bias,
@@ -29,8 +29,8 @@ impl Column {
             Self::Slip(wheel) => linearised.derivative(wheel, Quantity::Slip) * linearised.readings[wheel].rolled,
             Self::SideSlip(wheel) => {
                 let pivot = &linearised.rover.wheels()[wheel];
-                let way = linearised.twist().at(pivot.x, pivot.y).norm();
-                linearised.derivative(wheel, Quantity::SideSlip) * way
+                let distance = linearised.twist().at(pivot.x, pivot.y).norm();
+                linearised.derivative(wheel, Quantity::SideSlip) * distance
             }
             Self::Turned(wheel) => match linearised.measured.speeds[wheel] {
                 turned if turned.is_nan() => Vector3::zeros(),
@@ -51,7 +51,7 @@ impl Column {
     }
 }
 
-/// Dimensions of a wheel the motion answers to.
+/// Dimensions of a wheel on which the motion depends.
 pub const DIMENSIONS: [Quantity; 7] = [
     Quantity::Radius,
     Quantity::X,

@@ -16,11 +16,10 @@ pub(crate) type Triple = [Eight; 3];
 
 /// Constants of a rover and its encoders for the kernels of a step, and their memory.
 ///
-/// Invariants: the wheels stand in the lanes in [`order`], steered ones first, so steered wheel `k` of the rover is
+/// Invariants: the wheels are in the lanes in [`order`], steered ones first, so that steered wheel `k` of the rover is
 /// lane `k % GROUP` of group `k / GROUP`. Lanes without a wheel hold zeros: their radius, rows and shares are 0, so
-/// they roll nowhere and add nothing, and their entry of `wheels` is no index of any array. The same numbers make a
-/// castor measure nothing. `scratch` and `fitted` are written by every step before they are read and mean nothing between
-/// steps.
+/// that they add nothing to any sum, and their entry of `wheels` is no index of any array. Castors have the same zeros.
+/// Every step writes `scratch` and `fitted` before it reads them; they are undefined between steps.
 #[derive(Clone, Debug)]
 pub(crate) struct StepConstants {
     pub(crate) level: Level,
@@ -31,7 +30,8 @@ pub(crate) struct StepConstants {
     pub(crate) fitted: Vec<WheelRows>,
     /// True if the solution of the least squares is a constant of the rover, and with it [`Group::shares`].
     pub(crate) is_constant: bool,
-    /// True if readings are running totals that need no more than a difference.
+    /// True if readings are running totals whose differences are the increments: no encoder has a modulus, and no speed
+    /// of a castor is limited.
     pub(crate) is_direct: bool,
 }
 
@@ -40,7 +40,7 @@ pub(crate) struct StepConstants {
 pub(crate) struct WheelRows {
     /// Rolling and side-slip row.
     pub(crate) rows: [Triple; 2],
-    /// 1 where a wheel measures along the row, 0 where rollers or the lack of a wheel or of a reading leave it out.
+    /// 1 where a wheel has the row, 0 without a wheel or a reading, and for side-slip rows of wheels with rollers.
     pub(crate) has: [Eight; 2],
 }
 
@@ -59,34 +59,35 @@ pub(crate) struct Group {
     pub(crate) heading: Eight,
     /// Angle of a wheel and of its joint per count of their encoders [rad].
     pub(crate) per_count: [Eight; 2],
-    /// [m]
+    /// Hub to ground [m].
     pub(crate) radius: Eight,
-    /// Place of the pivot in the body, x and y [m].
+    /// Position of the pivot in the body, x and y [m].
     pub(crate) pivot: [Eight; 2],
-    /// Constant rows. Those of a steered wheel are for the wheel pointing ahead: pointing by `a` to the left, they are
-    /// `cos a` times the one and `sin a` times the other, and `cos a` times the other less `sin a` times the one.
+    /// Constant rows. Those of a steered wheel are `a_0`, `b_0` for the heading 0; at the heading phi they are
+    /// `a = cos phi a_0 + sin phi b_0` and `b = cos phi b_0 - sin phi a_0`.
     pub(crate) constant: WheelRows,
-    /// Displacement [m, m, rad] that a metre measured along either row adds to the least-squares solution.
+    /// Displacement [m, m, rad] that a metre measured along either row adds to the least-squares solution, for the
+    /// constant rows.
     pub(crate) shares: [Triple; 2],
     /// Factor of the slip variance.
     pub(crate) slip_factor: Eight,
-    /// Share of the variance across a wheel that its rollers pass on along it.
+    /// Factor from the variance of slip across a wheel to that along it, by its rollers: `cot²(roller angle)`.
     pub(crate) passed_on: Eight,
 }
 
 /// Memory of eight wheels between the two halves of a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StepScratch {
-    /// Displacement that a metre measured along either row adds, with the wheel pointing where it pointed in the middle of
-    /// the step, times the weight of the wheel.
+    /// Displacement [m, m, rad] that a metre measured along either row adds, for the rows in the middle of the step,
+    /// times the weight of the wheel.
     pub(crate) shares: [Triple; 2],
-    /// Way along the wheel's heading, for a steered one along the chord [m].
+    /// Distance along the wheel's heading; of a steered wheel the chord of its arc [m].
     pub(crate) rolled: Eight,
     /// Distances measured along both rows [m].
     pub(crate) measured: [Eight; 2],
     /// Length of the residual [m].
     pub(crate) slid: Eight,
-    /// Variance of that [m²].
+    /// Variance of the residual [m²].
     pub(crate) variance: Eight,
 }
 
@@ -99,7 +100,7 @@ impl Group {
 }
 
 impl StepConstants {
-    /// For any rover and settings.
+    /// The constants of a rover with these settings.
     pub fn new(settings: &Settings, rover: &Rover) -> Self {
         let castors = || rover.wheels().iter().any(|wheel| wheel.pivot == Pivot::Castor);
         let has_constant_solution = settings.method == Method::LeastSquares
@@ -138,7 +139,7 @@ impl StepConstants {
 }
 
 impl Group {
-    /// Adds wheel `i` of the rover. Returns false if its rows are no constants turned by its steering angle.
+    /// Adds wheel `i` of the rover. Returns false if its rows are not constants rotated by its steering angle.
     fn push(
         &mut self,
         lane: usize,

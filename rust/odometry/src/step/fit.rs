@@ -16,14 +16,14 @@ use six_wheel_kinematics::rover::Rover;
 use six_wheel_kinematics::rover_data::RoverData;
 use six_wheel_numerics::error::Error;
 
-/// Readings whose errors two steps share: steering angles, wheel rates and, at the end, the gyroscope. Those of joints and
-/// of wheels come in whole registers.
+/// Number of readings whose errors two steps share: steering angles, wheel rates and, last, the gyroscope. Those of
+/// joints and of wheels are padded to whole registers.
 pub(crate) fn shared_readings(rover: &Rover, from_rates: bool) -> usize {
     let wheels = if from_rates { rover.wheels().len().next_multiple_of(COLUMNS) } else { 0 };
     joint_columns(rover) + wheels + 1
 }
 
-/// Columns of the steering joints: those beyond the last joint are always zero.
+/// Number of columns of the steering joints; those beyond the last joint are zero.
 fn joint_columns(rover: &RoverData) -> usize {
     rover.steered().len().next_multiple_of(COLUMNS)
 }
@@ -49,7 +49,7 @@ pub(crate) struct WheelFit {
     pub old: Vec<[f64; 3]>,
     pub new: Vec<[f64; 3]>,
     deviations: Deviations,
-    /// Error of the displacement by each error that stays the same all along; 0 for a gyroscope's scale.
+    /// Error of the displacement by each error that is constant over the run; 0 for a gyroscope's scale.
     pub constant_errors: Vec<[f64; 3]>,
 }
 
@@ -102,8 +102,8 @@ impl WheelFit {
         Ok(())
     }
 
-    /// Rows of the wheels in the middle of the step. A pivot whose wheel turns by `d` meanwhile goes along an arc in body
-    /// axes, whose chord is `sin(d/2) / (d/2)` of the distance that the wheel rolled.
+    /// Reads the rows of the wheels in the middle of the step. The pivot of a wheel that steers by d in the step moves
+    /// along an arc in body axes, whose chord is `sin(d/2) / (d/2)` times the distance that the wheel rolled.
     fn read(&mut self, rover: &Rover, motion: Motion<'_>) {
         let [before, after] = motion.steering;
         for (joint, (before, after)) in before.iter().zip(after).enumerate() {
@@ -123,7 +123,7 @@ impl WheelFit {
         }
     }
 
-    /// The fit with all that its derivatives need. Weights are held.
+    /// The linearised fit, for derivatives at constant weights.
     pub fn linearised<'a>(&'a self, rover: &'a Rover, method: Method) -> LinearisedFit<'a> {
         LinearisedFit {
             rover,
@@ -154,7 +154,8 @@ impl WheelFit {
         }
     }
 
-    /// Errors of the displacement by readings that two steps share. Those at each end count for half the step.
+    /// Computes the errors of the displacement by readings that two steps share. A reading at one end counts for half
+    /// the step.
     fn find_columns(&mut self, rover: &Rover, settings: &Settings, motion: Motion<'_>, inverse: &Matrix3<f64>) {
         let (noise, dt) = (&settings.noise, motion.dt);
         let sharing = noise.sharing(dt).sqrt();
@@ -168,7 +169,7 @@ impl WheelFit {
             };
             (self.old[joint], self.new[joint]) = ((half - change).into(), (half + change).into());
         }
-        // A command has rates, but no readings of them.
+        // Without rates as readings, their columns are 0.
         let half_deviation = if motion.from_rates { sharing * noise.speed * dt / 2.0 } else { 0.0 };
         let rates = joint_columns(rover)..self.old.len() - 1;
         let columns = self.old[rates.clone()].iter_mut().zip(&mut self.new[rates]);

@@ -10,7 +10,7 @@ pub(crate) enum WheelInput<'a> {
     Totals { wheels: [&'a [f64]; 2], steering: [&'a [f64]; 2], angles: &'a [f64] },
     /// Rotations of the wheels, and the angles of the joints at both ends [rad].
     Rotations { turned: &'a [f64], steering: [&'a [f64]; 2] },
-    /// Those that [`WheelFit::solve`] has solved.
+    /// Rotations whose displacement [`WheelFit::solve`] has fitted.
     Fitted,
 }
 
@@ -21,7 +21,7 @@ pub(crate) struct StepInput<'a> {
     pub wheels: WheelInput<'a>,
     /// Duration [s].
     pub dt: f64,
-    /// True if rotations are means of rates at both ends, which other steps share.
+    /// True if rotations are means of rates at both ends, whose errors the neighbouring steps share.
     pub from_rates: bool,
     /// Yaw increment of a gyroscope, less that by its bias [rad].
     pub gyro_turn: Option<f64>,
@@ -38,6 +38,6 @@ pub(crate) struct StepOutput<'a> {
     pub angles: &'a mut [f64],
     /// Speed at which each contact slid [m/s]; may be empty.
     pub residual: &'a mut [f64],
-    /// None: it stays.
+    /// The state to be propagated; None: it is not.
     pub state: Option<&'a mut State>,
 }

@@ -27,7 +27,7 @@ fn part<S: Vector>(k: usize) -> usize {
     (k * S::F64_LANES % PARTS) / S::F64_LANES
 }
 
-/// Sum of the parts: the two halves of them, again and again.
+/// Pairwise sum of the parts.
 #[inline(always)]
 pub(crate) fn add_parts<S: Vector, const N: usize>(
     mut sums: [[Lanes<S>; N]; PARTS],
@@ -58,7 +58,7 @@ fn total<S: Vector>(sums: [Covariance3<Lanes<S>>; PARTS]) -> Covariance3 {
     Covariance3::from(numbers).total()
 }
 
-/// As many numbers as there is room for.
+/// Writes as many lanes as `numbers` holds.
 #[inline(always)]
 fn write_lanes<S: Vector>(lanes: Lanes<S>, numbers: &mut [f64]) {
     if let ([register, ..], _) = S::as_mut_simd_f64s(numbers) {
@@ -72,7 +72,7 @@ fn write_lanes<S: Vector>(lanes: Lanes<S>, numbers: &mut [f64]) {
     }
 }
 
-/// The numbers of these wheels; 0 where there is none.
+/// Loads the numbers of these wheels; 0 in lanes without a wheel.
 #[inline(always)]
 fn gather<S: Vector>(simd: S, numbers: &[f64], wheels: &[usize]) -> Lanes<S> {
     let mut lanes: Eight = [0.0; GROUP];
@@ -82,7 +82,7 @@ fn gather<S: Vector>(simd: S, numbers: &[f64], wheels: &[usize]) -> Lanes<S> {
     Lanes::load(simd, S::as_simd_f64s(&lanes).0, 0)
 }
 
-/// The least-squares displacement in body axes. None where running totals have to be checked.
+/// The least-squares displacement in body axes [m, m, rad]. None if running totals have to be checked.
 #[inline(always)]
 pub(crate) fn sum_displacement<S: Vector>(
     simd: S,
@@ -137,7 +137,7 @@ pub(crate) fn sum_displacement<S: Vector>(
     Some([sum[0].sum(), sum[1].sum(), sum[2].sum()])
 }
 
-/// Covariance of the displacement by what errs in this step alone, and true if a wheel slid further than the noise
+/// Covariance of the displacement by errors of this step alone, and true if a wheel slid further than the noise
 /// explains.
 #[inline(always)]
 pub(crate) fn sum_noise<S: Vector>(
@@ -174,21 +174,22 @@ fn is_slip(scratch: &[StepScratch]) -> bool {
     })
 }
 
-/// Covariance of the displacement by disagreement of the wheels beyond their noise, as of more noise of every row.
+/// Covariance of the displacement by residuals beyond the noise. Their mean excess variance, `Σ w r² / (rows - 3) - Σ w
+/// σ² / rows`, is that of additional noise of every row.
 #[inline(never)]
 pub(crate) fn excess_covariance(constants: &StepConstants, is_fitted: bool, weights: &[f64]) -> Covariance3 {
-    let (mut seen, mut explained, mut rows) = (0.0, 0.0, 0.0);
+    let (mut observed, mut explained, mut rows) = (0.0, 0.0, 0.0);
     for ((group, fitted), scratch) in constants.groups.iter().zip(&constants.fitted).zip(&constants.scratch) {
         let [has_rolling, has_side_slip] = if is_fitted { &fitted.has } else { &group.constant.has };
         for (lane, &i) in group.wheels[..group.count].iter().enumerate() {
-            seen += weights[i] * scratch.slid[lane] * scratch.slid[lane];
+            observed += weights[i] * scratch.slid[lane] * scratch.slid[lane];
             explained += weights[i] * scratch.variance[lane];
             rows += has_rolling[lane] + has_side_slip[lane];
         }
     }
     let mut covariance = Covariance3::default();
     if rows > 3.0 {
-        let excess = (seen / (rows - 3.0) - explained / rows).max(0.0);
+        let excess = (observed / (rows - 3.0) - explained / rows).max(0.0);
         for (group, scratch) in constants.groups.iter().zip(&constants.scratch) {
             for (lane, [x, y, z]) in
                 (0..group.count).flat_map(|lane| scratch.shares.each_ref().map(|share| (lane, share)))
@@ -200,7 +201,8 @@ pub(crate) fn excess_covariance(constants: &StepConstants, is_fitted: bool, weig
     covariance
 }
 
-/// Covariance of the displacement by the readings at its start, and at its end, that other steps share.
+/// Covariances of the displacement by the readings at its start, and by those at its end, that the neighbouring steps
+/// share.
 #[inline(always)]
 pub(crate) fn shared_covariance<S: Vector>(
     simd: S,
@@ -228,8 +230,8 @@ pub(crate) fn shared_covariance<S: Vector>(
     [total(sums); 2]
 }
 
-/// Propagates the columns of readings that two steps share, but for the gyroscope's, where that has this gain. Returns what
-/// they add to the covariance at the end of the step, for good.
+/// Propagates the columns of readings that two steps share, except the gyroscope's, which has this gain. Returns what
+/// they add to the settled covariance at the end of the step.
 #[inline(always)]
 pub(crate) fn propagate_columns<S: Vector>(
     simd: S,
@@ -251,7 +253,7 @@ pub(crate) fn propagate_columns<S: Vector>(
     if let Some(fit) = fitted {
         let read = [&fit.old, &fit.new].map(|all| all.as_flattened().chunks_exact(width));
         let [old, new] = read;
-        // The last column is the gyroscope's: a register of its own on a level of one lane.
+        // The last column is the gyroscope's; on a level of one lane it is a register of its own.
         let shared = (fit.old.len() - 1) / S::F64_LANES;
         for (k, (columns, (old, new))) in columns.zip(old.zip(new)).enumerate().take(shared) {
             let [old, new] = [Lanes::deinterleave3(simd, old), Lanes::deinterleave3(simd, new)];
@@ -277,7 +279,8 @@ struct Propagate<S: Vector> {
 }
 
 impl<S: Vector> Propagate<S> {
-    /// Replaces columns by the errors of the readings at the end of the step. Returns the whole errors of those at its start.
+    /// Replaces columns by the errors of the pose by the readings at the end of the step. Returns the complete errors
+    /// by those at its start: `F carried + L old`.
     #[inline(always)]
     fn column(&self, simd: S, [mut old, mut new]: [[Lanes<S>; 3]; 2], columns: &mut [f64]) -> [Lanes<S>; 3] {
         if let Some(gain) = self.gain {
@@ -289,7 +292,7 @@ impl<S: Vector> Propagate<S> {
     }
 }
 
-/// Writes the speeds at which the contacts slid in a step of this duration [m/s].
+/// Writes the residuals of a step of this duration, the speeds at which the contacts slid [m/s].
 #[inline(always)]
 pub(crate) fn write_residuals<S: Vector>(simd: S, constants: &StepConstants, dt: f64, residual: &mut [f64]) {
     let per_second = 1.0 / dt;

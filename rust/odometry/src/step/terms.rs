@@ -1,4 +1,4 @@
-//! The settings as numbers of a step, in every lane.
+//! Variances and bounds of a step by the settings, in every lane.
 
 use pulp::Simd;
 
@@ -6,20 +6,20 @@ use crate::settings::Settings;
 use six_wheel_numerics::error::HUGE;
 use six_wheel_numerics::simd::lanes::Lanes;
 
-/// Distance and rotation of a wheel over one step up to which sums of squares are far from overflow [m, rad].
+/// Distance and rotation of a wheel in one step up to which sums of squares are finite [m, rad].
 pub(crate) const LARGEST_ROTATION: f64 = 1e50;
 
-/// Share of a bound that is below it however it is rounded.
+/// Factor of a bound with which it is below the exact bound after rounding.
 pub(crate) const ROUNDED_DOWN: f64 = 1.0 - 1e-9;
 
 /// Variances and bounds of a step that follow from the settings.
 #[derive(Clone, Copy)]
 pub(crate) struct NoiseTerms<S: Simd> {
-    /// Variance of the distance that a wheel rolled, but for slip, by readings of this step alone [m²].
+    /// Variance of the distance that a wheel rolled by readings of this step alone, without slip [m²].
     pub own_variance: Lanes<S>,
-    /// The same by readings that the steps before and after share [m²].
+    /// The same by readings that the neighbouring steps share [m²].
     pub shared_variance: Lanes<S>,
-    /// Half the deviation of a steering angle [rad], and its variance.
+    /// Half the deviation of a steering angle [rad], and the variance of the angle [rad²].
     pub half_deviation: Lanes<S>,
     pub steering_variance: Lanes<S>,
     /// Slip of a wheel above which it is reported [m]; None: by the variances.
@@ -63,8 +63,8 @@ impl<S: Simd> NoiseTerms<S> {
     }
 }
 
-/// Deviation of the yaw increment in a step by the deviation of the gyroscope's reading at one end [rad], which counts for
-/// half the step.
+/// Deviation of the yaw increment of a step by that of the gyroscope's reading at one end, which counts for half the
+/// step [rad].
 #[inline(always)]
 pub(crate) fn gyroscope_deviation<S: Simd>(settings: &Settings, dt: Lanes<S>) -> Lanes<S> {
     let splat = |number| Lanes::splat(dt.simd(), number);

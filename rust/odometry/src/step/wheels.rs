@@ -50,7 +50,7 @@ impl<S: Vector> LaneSource<S> for Broadcast<S> {
     }
 }
 
-/// Into register `k` of as many columns.
+/// Stores to register `k` of columns.
 #[inline(always)]
 pub(crate) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &mut [Eight; N], k: usize) {
     for (lanes, column) in lanes.into_iter().zip(columns) {
@@ -58,8 +58,8 @@ pub(crate) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &m
     }
 }
 
-/// Adds the share of these wheels to the least-squares displacement [m, m, rad], by their rotations and the middle angle
-/// and increment of their joints [rad]. Returns the lanes in which nothing has to be checked.
+/// Adds the shares of these wheels to the least-squares displacement [m, m, rad], by their rotations and the middle
+/// angle and increment of their joints [rad]. Returns the lanes whose readings need no check.
 #[inline(always)]
 pub(crate) fn accumulate_displacement<S: Vector, P: LaneSource<S>>(
     simd: S,
@@ -79,7 +79,7 @@ pub(crate) fn accumulate_displacement<S: Vector, P: LaneSource<S>>(
     let mut measured = [rolled, splat(0.0)];
     if let Some([middle, increment]) = joint {
         is_fine = is_fine & increment.abs().le(most_steered);
-        // A pivot whose wheel turns by `increment` meanwhile goes along an arc in body axes, of which this is the chord.
+        // The pivot of a wheel that steers by `increment` moves along an arc in body axes: its chord.
         rolled = rolled * chord_ratio(simd, increment * splat(0.5));
         let (sin, cos) = sin_cos_any(simd, middle + pick.of(&group.heading));
         measured = [rolled * cos, rolled * sin];
@@ -100,8 +100,8 @@ pub(crate) fn accumulate_displacement<S: Vector, P: LaneSource<S>>(
     is_fine
 }
 
-/// Adds the share of these wheels to the covariance of the displacement, and keeps their residuals [m] and variances
-/// [m²]. Returns the lanes that slid further than the noise explains, but for rounding.
+/// Adds the shares of these wheels to the covariance of the displacement, and stores their residuals [m] and variances
+/// [m²]. Returns the lanes that slid further than the noise explains, rounding not counted.
 #[inline(always)]
 pub(crate) fn accumulate_noise<S: Vector, P: LaneSource<S>>(
     simd: S,

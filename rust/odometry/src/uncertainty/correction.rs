@@ -7,28 +7,28 @@ use crate::propagation::covariance::Covariance3;
 use crate::propagation::pose_gain::PoseGain;
 
 impl Uncertainty {
-    /// Corrects the bias by a reading at rest. Returns the correction of the pose, whose error correlates with that of
-    /// the bias.
-    pub fn learn_bias(&mut self, rate: f64, variance: f64) -> Vector3<f64> {
+    /// Corrects the bias by a reading at rest [rad/s] with this variance. Returns the correction of the pose, whose
+    /// error correlates with that of the bias.
+    pub fn correct_bias(&mut self, rate: f64, variance: f64) -> Vector3<f64> {
         let Some(mut bias) = self.bias else {
             return Vector3::zeros();
         };
-        let spread = bias.variance + variance;
-        if spread == 0.0 {
+        let innovation_variance = bias.variance + variance;
+        if innovation_variance == 0.0 {
             return Vector3::zeros();
         }
         let innovation = rate - bias.value;
-        let (gain, along) = (bias.variance / spread, bias.cross / spread);
-        let less = along * bias.cross.transpose();
-        self.settled = Covariance3::of(&(self.settled.matrix() - less));
+        let (gain, pose_gain) = (bias.variance / innovation_variance, bias.cross / innovation_variance);
+        let decrease = pose_gain * bias.cross.transpose();
+        self.settled = Covariance3::of(&(self.settled.matrix() - decrease));
         bias.value += gain * innovation;
         bias.variance *= 1.0 - gain;
         bias.cross *= 1.0 - gain;
         self.bias = Some(bias);
-        along * innovation
+        pose_gain * innovation
     }
 
-    /// The zero of a yaw sensor, from its first reading at this pose.
+    /// Sets the zero of a yaw sensor [rad] by its first reading, with the variance of the reading.
     pub fn set_yaw_offset(&mut self, value: f64, variance: f64) {
         let cross = -self.settled.with_z();
         let variance = variance + self.settled.zz();
@@ -46,8 +46,8 @@ impl Uncertainty {
             of_zero += error.yaw_zero * error.yaw_zero;
         }
         let along = self.covariance().with_z() + cross;
-        let spread = along.z + cross.z + of_zero + variance;
-        let gain = if spread > 0.0 { along / spread } else { Vector3::z() };
+        let innovation_variance = along.z + cross.z + of_zero + variance;
+        let gain = if innovation_variance > 0.0 { along / innovation_variance } else { Vector3::z() };
         let rest = Matrix3::identity() - gain * Vector3::z().transpose();
         let mixed = rest * offset.cross * gain.transpose();
         self.multiply(&rest);
@@ -61,8 +61,8 @@ impl Uncertainty {
         gain
     }
 
-    /// Corrects by a pose from outside with this covariance, infinite where the pose is unknown. Returns the gain of
-    /// the pose by the innovation.
+    /// Corrects by a pose from outside with this covariance, infinite for unknown components. Returns the gain of the
+    /// pose by the innovation.
     pub fn correct(&mut self, measured: &Matrix3<f64>) -> Matrix3<f64> {
         let PoseGain { gain, by_error, noise } =
             PoseGain::new(&self.covariance().matrix(), &Matrix3::identity(), measured);
