@@ -1,13 +1,13 @@
-//! Heights of a grid as they came, in either precision.
+//! Heights of a grid in the precision of the caller's array.
 
 use std::sync::Arc;
 
-/// Heights as they came, row after row.
+/// Heights [m], row after row.
 #[derive(Clone, Debug)]
 pub enum Heights {
-    /// Single precision, widened where it is read.
+    /// In single precision, converted at every read.
     Single(Arc<Vec<f32>>),
-    /// Double precision.
+    /// In double precision.
     Double(Arc<Vec<f64>>),
 }
 
@@ -27,7 +27,7 @@ impl Heights {
         self.len() == 0
     }
 
-    /// Largest size of a known height [m]; infinite if one is.
+    /// Largest absolute value of a known height [m]; infinite if one is.
     pub fn largest(&self) -> f64 {
         match self {
             Self::Single(heights) => largest(heights.iter().copied().map(f64::from)),
@@ -35,7 +35,7 @@ impl Heights {
         }
     }
 
-    /// A height [m]; NaN where it is not known.
+    /// A height [m]; NaN where it is unknown.
     #[inline]
     pub fn at(&self, index: usize) -> f64 {
         match self {
@@ -45,7 +45,7 @@ impl Heights {
     }
 }
 
-/// Largest size of the numbers, NaN left out, in eight sums that do not wait for each other.
+/// Largest absolute value of the numbers without NaN, by eight independent maxima.
 fn largest(mut values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let mut most = [0.0_f64; 8];
     for _ in 0..values.len() / 8 {

@@ -1,6 +1,6 @@
 //! Arithmetic on intervals, one in every lane.
 //!
-//! Written without closures: they would be functions of their own, without the instructions of the level.
+//! Written without closures, which would be compiled as functions without the instructions of the level.
 
 use pulp::Simd;
 
@@ -51,14 +51,14 @@ pub(super) fn widest<S: Simd>([a, b]: Interval<S>) -> Lanes<S> {
     a.abs().max(b.abs())
 }
 
-/// An interval times one that is positive.
+/// An interval times a positive one.
 #[inline(always)]
 pub(super) fn times<S: Simd>([low, high]: Interval<S>, [least, most]: Interval<S>) -> Interval<S> {
     [(low * least).min(low * most), (high * least).max(high * most)]
 }
 
-/// The interval of an even function that only rises, or only falls, away from 0: from its values at the ends of an
-/// interval, and at 0.
+/// The interval of an even function that is monotonic in the absolute value, from its values at the ends of an interval
+/// and at 0.
 #[inline(always)]
 pub(super) fn even<S: Simd>([low, high]: Interval<S>, [a, b]: Interval<S>, middle: Lanes<S>) -> Interval<S> {
     let around = (low * high).lt(all(low.simd(), 0.0));
@@ -73,7 +73,7 @@ pub(super) fn inside<S: Simd>([low, high]: Interval<S>, [least, most]: [f64; 2])
     all(simd, least).le(low) & high.le(all(simd, most))
 }
 
-/// Arc sine, of numbers beyond 1 that of 1.
+/// Arc sine of a number clipped to [-1, 1].
 #[inline(always)]
 pub(super) fn asin<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     let (simd, one) = (x.simd(), all(x.simd(), 1.0));
@@ -82,7 +82,7 @@ pub(super) fn asin<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     angle(simd, cos.sqrt(), size).xor_sign(x.sign_bit())
 }
 
-/// The other side of the unit circle: the cosine of a sine, or the sine of a cosine.
+/// `sqrt(1 - x²)`: the cosine of a sine, or the sine of a cosine.
 #[inline(always)]
 pub(super) fn complement<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     let simd = x.simd();

@@ -1,9 +1,8 @@
-//! Lowest and highest ground over boxes of cells, from windows that are known beforehand.
+//! Lowest and highest ground over boxes of cells, from the extremes of windows.
 //!
-//! Level `k` holds, for every cell, the extremes over the square window of `2^k` cells that begins there. Between
-//! its nodes a bilinear surface stays between them, so a window's extremes are those of its nodes; single
-//! precision, rounded outwards, halves the memory. Any box is covered by four windows of its own size, or by some
-//! more where it is long.
+//! Level `k` holds, for every cell, the extremes over the square window of `2^k` cells that begins there. A bilinear
+//! surface is between the heights of its nodes, so that a window's extremes are those of its nodes; single precision,
+//! rounded outwards, halves the memory. Any box is covered by four windows, or by some more if it is long.
 
 use crate::heights::Heights;
 use crate::interval::all;
@@ -16,10 +15,10 @@ use six_wheel_numerics::threads::workers::IsInterrupted;
 /// Windows up to 32 cells wide.
 const LEVELS: u32 = 6;
 
-/// Lowest height and minus the highest one: both grow outwards by the same operation.
+/// Lowest height and minus the highest one [m], so that both are minima.
 type Extremes = [f32; 2];
 
-/// Extremes of a window with a height that is not known.
+/// Extremes of a window with an unknown height.
 const UNKNOWN: Extremes = [f32::NEG_INFINITY; 2];
 
 /// Extremes of the ground in windows of a map.
@@ -41,7 +40,8 @@ pub(crate) struct Boxes<S: Vector> {
 }
 
 impl Pyramid {
-    /// Takes memory for `8 LEVELS` bytes per cell, which may not be there, and a few milliseconds per 10^5 cells.
+    /// The extremes of these heights, in `8 LEVELS` bytes per cell and a few milliseconds per 10^5 cells. Fails if
+    /// there is not enough memory.
     #[inline]
     pub fn new(
         heights: &Heights,
@@ -78,7 +78,7 @@ impl Pyramid {
         for level in 1..LEVELS {
             let step = 1 << (level - 1);
             let below = windows.len() - count;
-            // Beside the last rows and columns a window holds what there is.
+            // At the last rows and columns windows are cut at the edge of the map.
             for row in 0..cells[1] {
                 if is_interrupted() {
                     return Err(Error::interrupted());
@@ -104,8 +104,8 @@ impl Pyramid {
         &self.placement
     }
 
-    /// Extremes over boxes of cells, or over some more beside the long sides of those that are longer than wide: four windows, each
-    /// at least half as long as the box. False for boxes that are longer than two windows.
+    /// Extremes over boxes of cells by four windows, each at least half as long as the box; those of boxes that are
+    /// longer than wide include some cells beside their long sides. False for boxes that are longer than two windows.
     ///
     /// # Safety
     ///
@@ -118,7 +118,7 @@ impl Pyramid {
         let simd = x.simd();
         let one = all(simd, 1.0);
         let long = (x_last - x).max(y_last - y);
-        // The smallest power of two that is half of one more.
+        // The smallest power of two that is at least half the box.
         let most = all(simd, f64::from(1 << (LEVELS - 1)));
         let size = long.max(one).power().min(most);
         let fits = long.lt(size + size);
@@ -150,8 +150,8 @@ impl Pyramid {
         a.least_pairs(b).least_pairs(c.least_pairs(d))
     }
 
-    /// Highest height over a box of cells as [`Self::around`] gives it, to the bit, from the heights themselves [m]: infinity
-    /// where one is not known, and for boxes that are longer than two windows.
+    /// Highest height over a box of cells from the heights themselves [m], the same bits as [`Self::around`]; infinity
+    /// where one is unknown, and for boxes that are longer than two windows.
     pub(crate) fn highest_around(
         heights: &Heights,
         [rows, columns]: [usize; 2],
@@ -192,7 +192,7 @@ impl Pyramid {
         let ([x, y], [x_last, y_last]) = (boxes.first, boxes.last);
         let (width, height) = ((x_last - x) + one, (y_last - y) + one);
         let (short, long) = (width.min(height), width.max(height));
-        // The largest windows that are in the box, and where their level begins.
+        // The largest windows inside the box, and the index at which their level begins.
         let most = short.min(all(simd, f64::from(1 << (LEVELS - 1))));
         let size = most.power();
         let count = all(simd, (self.cells[0] * self.cells[1]) as f64);
@@ -206,7 +206,7 @@ impl Pyramid {
         if !longer.any() {
             return span;
         }
-        // One more in the middle of both long sides, unless that is not enough either.
+        // One more in the middle of both long sides, unless more are needed.
         let wide = height.lt(width);
         let middle = [wide.select((x + size).min(end[0]), x), wide.select(y, (y + size).min(end[1]))];
         let other = [wide.select(middle[0], end[0]), wide.select(end[1], middle[1])];

@@ -1,9 +1,9 @@
-//! Rocker-bogie suspension: where three passive joints put six wheels.
+//! Rocker-bogie suspension: the kinematics of six wheels on three passive joints.
 //!
-//! A differential couples the rockers, so one angle `rho` turns the left one and `-rho` the right one; each
-//! carries a wheel and a bogie, which turns by `beta` and carries two. It is one of the vehicles of [`Chain`], which are
-//! data; the papers give it as a Denavit-Hartenberg table ([`Link`]). Joint angles count about +y, so nose-down is
-//! positive. The wheel equation of [`Rover`] gives the motion of its wheels seen from above.
+//! A differential couples the rockers: the left one has the angle `rho`, the right one `-rho`. Each carries a wheel and
+//! a bogie with the angle `beta` and two wheels. It is one of the vehicles of [`Chain`], which are data; the papers
+//! give it as a Denavit-Hartenberg table ([`Link`]). Joint angles are about +y, so nose-down is positive. The wheel
+//! equation of [`Rover`] gives the motion of its wheels seen from above.
 //!
 //! (M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover, ICRA 1999.)
 
@@ -117,7 +117,7 @@ pub const PRESETS: [Preset; 4] = [
 ];
 
 impl RockerBogie {
-    /// A rover with this suspension. Fails if a dimension makes no sense.
+    /// A rover with this suspension. Fails if a dimension is outside its range.
     #[inline]
     pub fn new(dimensions: Dimensions) -> Result<Self, Error> {
         Ok(Self { chain: Chain::rocker_bogie(&dimensions)?, links: dimensions.links(), dimensions })
@@ -207,7 +207,7 @@ impl RockerBogie {
         &self.dimensions
     }
 
-    /// The same suspension as parts, joints and wheels.
+    /// The suspension as parts, joints and wheels.
     #[inline]
     pub fn chain(&self) -> &Chain {
         &self.chain
@@ -261,13 +261,13 @@ impl RockerBogie {
         Rover::new(WHEELS.iter().enumerate().map(wheel).collect())
     }
 
-    /// x_R [m]: the unsteered wheels scrub least turning about a point of the line x = -x_R.
+    /// x_R [m]: in rotations about points of the line x = -x_R, the side slip of the unsteered wheels is least.
     pub fn icr_offset(&self, rho: f64, beta: [f64; 2]) -> Result<f64, Error> {
         Ok(icr_offset(&self.planar(rho, beta)?))
     }
 
-    /// The wheel equation of [`Self::planar`] for a forward speed [m/s] of the rover's origin and a yaw
-    /// rate [rad/s], turning where the unsteered wheels scrub least.
+    /// The wheel equation of [`Self::planar`] for a forward speed [m/s] of the rover's origin and a yaw rate [rad/s],
+    /// with the least side slip of the unsteered wheels.
     #[inline]
     pub fn steer(
         &self,
@@ -340,8 +340,8 @@ fn blocks<const N: usize>(array: &mut [f64], count: usize, width: usize) -> [(&m
     std::array::from_fn(|_| (blocks.next().unwrap_or_default(), width))
 }
 
-/// The unsteered wheels are parallel: one bank, whose row is that of their mean axle. Where all wheels steer
-/// nothing scrubs, and the origin will do.
+/// x_R [m]. The unsteered wheels are parallel: one bank, whose row is that of their mean axle. If all wheels steer, it
+/// is 0.
 fn icr_offset(rover: &Rover) -> f64 {
     rover.banks().first().map_or(0.0, |bank| 0.0 - bank.row.z) // not minus zero
 }

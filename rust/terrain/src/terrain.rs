@@ -1,9 +1,8 @@
-//! Ground as a regular grid of heights: heights, gradients and normals, and what is not known.
+//! Ground as a regular grid of heights: heights, gradients and normals, and unknown cells.
 //!
-//! Node `(row, column)` lies at `origin + R(yaw) [column dx, row dy]`, so x grows with columns and y with
-//! rows. Between nodes a height is bilinear, the surface every contact is computed on; bicubic heights can be
-//! asked for. NaN is a height nobody knows. Neither it nor the outside is ever guessed: both are answers
-//! ([`Sample`]).
+//! Node `(row, column)` is at `origin + R(yaw) [column dx, row dy]`, so that x increases with columns and y with rows.
+//! Between nodes heights are bilinear, the surface of all contacts; samples may be bicubic. NaN is an unknown height.
+//! Unknown heights and points off the map are never estimated: both are values of [`Sample`].
 
 mod cell;
 mod spline;
@@ -21,10 +20,10 @@ use six_wheel_kinematics::geometry::GridPlacement;
 use six_wheel_numerics::error::{Error, number, numbers};
 use six_wheel_numerics::threads::workers::IsInterrupted;
 
-/// Spacings below this are no metres: an arc second of a map in degrees is 2.8e-4 [m].
+/// Spacings below this are not in metres: an arc second of a map in degrees is 2.8e-4 [m].
 const SMALLEST_SPACING: f64 = 1e-3;
 
-/// Heights from here on have no digits for a wheel, as coordinates have none [m]; squares of smaller ones have doubles.
+/// Heights from this on [m] are refused: neighbouring doubles are further apart than the size of a wheel.
 const LARGEST_HEIGHT: f64 = 1e15;
 
 /// Interpolation of heights between nodes.
@@ -32,8 +31,7 @@ const LARGEST_HEIGHT: f64 = 1e15;
 pub enum Interpolation {
     /// From the four corners of the cell: continuous, with creases along the lines of the grid.
     Bilinear,
-    /// From sixteen nodes (Catmull-Rom): with continuous slopes. Beside the rim the grid goes on as straight
-    /// as it ends.
+    /// From sixteen nodes (Catmull-Rom): with continuous slopes. Beyond its edge the grid is extrapolated linearly.
     Bicubic,
 }
 
@@ -49,7 +47,7 @@ pub enum Sample {
         /// Derivatives by x and y.
         gradient: [f64; 2],
     },
-    /// A height that enters here is NaN.
+    /// A height that the interpolation needs is NaN.
     Unknown,
     /// Not on the map.
     Outside,
@@ -62,14 +60,14 @@ pub struct Terrain {
     rows: usize,
     columns: usize,
     placement: GridPlacement,
-    /// Largest size of a height [m].
+    /// Largest absolute height [m].
     largest: f64,
-    /// Made when it is first asked for.
+    /// Extremes of windows, made at the first call of [`Self::pyramid`].
     pyramid: OnceLock<Arc<Pyramid>>,
 }
 
 impl PartialEq for Terrain {
-    /// Bit for bit in the heights, so that unknown ones are equal too; a zero is a zero.
+    /// Heights are compared bit by bit, so that unknown ones are equal too; zeros of either sign are equal.
     fn eq(&self, other: &Self) -> bool {
         let same = |k| {
             let (a, b) = (self.heights.at(k), other.heights.at(k));
@@ -80,8 +78,8 @@ impl PartialEq for Terrain {
 }
 
 impl Terrain {
-    /// A grid of `columns` heights per row. Fails unless there are at least two rows and columns, every height
-    /// is below 1e15 m or NaN, and the place makes sense.
+    /// A grid of `columns` heights per row. Fails unless there are at least two rows and columns, every height is below
+    /// 1e15 m or NaN, and the placement is valid.
     #[inline]
     pub fn new(heights: Heights, columns: usize, spacing: [f64; 2], origin: [f64; 2], yaw: f64) -> Result<Self, Error> {
         let rows = heights.len().checked_div(columns).unwrap_or(0);
@@ -105,7 +103,7 @@ impl Terrain {
         }
         let reach = spacing[0] * columns as f64 + spacing[1] * rows as f64;
         if reach + origin[0].abs() + origin[1].abs() >= 1e15 {
-            // Beyond, neighbouring doubles lie further apart than a wheel is large.
+            // Neighbouring doubles would be further apart than the size of a wheel.
             return Err(Error::value("spacing", "make a map whose coordinates have digits", numbers(&spacing)));
         }
         Ok(Self { heights, rows, columns, placement, largest, pyramid: OnceLock::new() })
@@ -116,7 +114,7 @@ impl Terrain {
         &self.heights
     }
 
-    /// Largest size of a known height [m].
+    /// Largest absolute value of a known height [m].
     pub fn largest_height(&self) -> f64 {
         self.largest
     }
@@ -131,7 +129,7 @@ impl Terrain {
         Ok(self.pyramid.get_or_init(|| made))
     }
 
-    /// The pyramid if it was asked for before.
+    /// The pyramid, if it has been made.
     #[inline(always)]
     pub(crate) fn known_pyramid(&self) -> Option<&Pyramid> {
         self.pyramid.get().map(|pyramid| &**pyramid)
@@ -167,14 +165,14 @@ impl Terrain {
         Cell { h00, along: h10 - h00, across: h01 - h00, twist: h11 - h10 - (h01 - h00) }
     }
 
-    /// True if a point of the world lies on the map, its rim included.
+    /// True if a point of the world is on the map, its edge included.
     #[inline]
     pub fn contains(&self, x: f64, y: f64) -> bool {
         let [u, v] = self.placement.grid_from_world(x, y);
         self.on_grid(u, v)
     }
 
-    /// True if a place in columns and rows lies on the map, its rim included. False for NaN.
+    /// True if a point in columns and rows is on the map, its edge included. False for NaN.
     #[inline]
     pub fn on_grid(&self, u: f64, v: f64) -> bool {
         u >= 0.0 && v >= 0.0 && u <= (self.columns - 1) as f64 && v <= (self.rows - 1) as f64
@@ -186,7 +184,7 @@ impl Terrain {
         self.sample_offset(x - x0, y - y0, interpolation)
     }
 
-    /// The same at these distances from node (0, 0) along x and y of the world [m].
+    /// [`Self::sample`] at these distances from node (0, 0) along x and y of the world [m].
     pub fn sample_offset(&self, x: f64, y: f64, interpolation: Interpolation) -> Sample {
         let [u, v] = self.placement.grid_from_offset(x, y);
         if !self.on_grid(u, v) {
@@ -226,7 +224,7 @@ impl Terrain {
 /// Unit normal, upwards, of ground with this gradient.
 #[inline]
 pub fn normal([x, y]: [f64; 2]) -> Vector3<f64> {
-    // A gradient may be so steep that its square has no double: scale first.
+    // Scaled, as the square of a steep gradient may overflow.
     let scale = x.abs().max(y.abs()).max(1.0);
     Vector3::new(-x / scale, -y / scale, 1.0 / scale).normalize()
 }

@@ -158,7 +158,7 @@ getters! { Stand, self, py:
     next_contacts: PyResult<Array<'py>> = self.rim_points(py, |contact| Direction::from(contact.next));
     /// `SettleStatus` of the pose, or an array of them: settled, at_stop, off_map, unknown_cells, not_converged.
     status: PyResult<Bound<'py, PyAny>> = {
-        let codes = self.scalars(py, |stand| stand.status.told() as i64)?;
+        let codes = self.scalars(py, |stand| stand.status.reported() as i64)?;
         py.import("six_wheel.kinematics.statuses")?.call_method1("settle_statuses", (codes,))
     };
     /// True if the rover stands: settled, or at a stop.
@@ -280,7 +280,7 @@ impl Stand {
         }
         let mut counts = Vec::new();
         for status in ground::Status::ALL {
-            let count = this.stands.iter().filter(|stand| stand.status.told() == status).count();
+            let count = this.stands.iter().filter(|stand| stand.status.reported() == status).count();
             if count > 0 {
                 counts.push(format!("{count} {}", status.name()));
             }

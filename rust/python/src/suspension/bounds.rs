@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
 use six_wheel_numerics::error::{Error, bounded, not_negative};
-use six_wheel_terrain::bounds::{self as core, Belly, BoundsConstants, Ground, Knowledge, Margins, Within};
+use six_wheel_terrain::bounds::{self as core, Belly, BoundStatus, BoundsConstants, Ground, Margins, TiltLimits};
 
 use super::rocker_bogie::RockerBogie;
 use crate::convert::{OrRaise, Out, Rows, compute_rows, joined, memory, named, refuse, scalar_or_array, together};
@@ -97,20 +97,20 @@ impl RockerBogie {
         match (belly, within) {
             (None, None) => self.usual_plans().map(Cow::Borrowed),
             (_, Some((attitude, rocker, bogie))) => {
-                let within = Within { attitude, rocker, bogie };
+                let within = TiltLimits { attitude, rocker, bogie };
                 self.plan(belly, within).map(|plan| Cow::Owned(vec![plan]))
             }
             (_, None) => self.plans(belly).map(|plans| Cow::Owned(plans.into())),
         }
     }
 
-    fn plan(&self, belly: Option<Plate>, within: Within) -> Result<BoundsConstants, Error> {
+    fn plan(&self, belly: Option<Plate>, within: TiltLimits) -> Result<BoundsConstants, Error> {
         BoundsConstants::new(self.0.dimensions(), self.belly(belly)?, within)
     }
 
     fn plans(&self, belly: Option<Plate>) -> Result<[BoundsConstants; 2], Error> {
-        let narrow = self.plan(belly, Within::default())?;
-        Ok([narrow, self.plan(belly, Within::wide())?])
+        let narrow = self.plan(belly, TiltLimits::default())?;
+        Ok([narrow, self.plan(belly, TiltLimits::wide())?])
     }
 
     /// Those of calls that say nothing else, made once.
@@ -192,7 +192,7 @@ methods! { RockerBogie:
         shapes[6].push(2); // the bogies
         let mut results = Out::read(out, RESULTS)?.results(py, shapes, None, false)?;
         let mut sides = [memory::filled([0.0; 2], count)?, memory::filled([0.0; 2], count)?];
-        let mut status = memory::filled(Knowledge::Bounded, count)?;
+        let mut status = memory::filled(BoundStatus::Bounded, count)?;
         let [z, roll, pitch, tilt, clearance, rocker, bogies, drop] = results.flat();
         let [z, roll, pitch, tilt] = [z, roll, pitch, tilt].map(pairs);
         let [clearance, rocker, drop] = [clearance, rocker, drop].map(pairs);

@@ -1,4 +1,4 @@
-//! The underside of the body, and exactly how far it is above the ground.
+//! The underside of the body, and its exact clearance above the ground.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
@@ -7,21 +7,21 @@ use crate::suspension::Placed;
 use crate::terrain::Terrain;
 use six_wheel_numerics::error::{Error, bounded, numbers};
 
-/// The place of a rectangle that is nearest to the ground.
+/// The point of a rectangle with the least clearance.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Lowest {
-    /// Below a point of its inside, at a node.
+    /// A point inside the rectangle, above a node of the map.
     Node {
         /// Of the rectangle [m].
         point: Vector3<f64>,
     },
-    /// Below a point of an edge.
+    /// A point of an edge.
     Edge {
         /// Of the rectangle [m].
         point: Vector3<f64>,
         /// Along the edge [m].
         way: Vector3<f64>,
-        /// The lines of the grid it stays on, if the edge crosses one there: 0 those of columns, 1 those of rows.
+        /// If the point is above a line of the grid, 0 for a line between columns, 1 for one between rows.
         line: Option<usize>,
     },
 }
@@ -50,9 +50,9 @@ impl Belly {
         Err(Error::value("belly", rule, numbers(&all)))
     }
 
-    /// A belly for a rover without a drawing of its body: between the rear and the front wheels, three quarters of the
-    /// way out to the rockers, a quarter of a wheel's radius below the lower of their axes and those of the bogies.
-    /// (Perseverance: 0.60 m above the ground, the clearance NASA gives.)
+    /// A default belly: between the rear and the front wheels, of three quarters of the distance to the rockers on each
+    /// side, a quarter of a wheel's radius below the lower of the axes of rockers and bogies. (Perseverance: 0.60 m
+    /// above the ground, the published clearance.)
     pub fn between_wheels(dimensions: &Dimensions) -> Self {
         let pivot = dimensions.rocker_pivot;
         let r = dimensions.wheel_radius;
@@ -66,23 +66,24 @@ impl Belly {
         }
     }
 
-    /// [`Self::clearance`] of a chain that stands.
+    /// [`Self::clearance`] of a settled chain.
     #[inline]
     pub fn above(&self, ground: &Terrain, placed: &Placed<'_>) -> Option<f64> {
         self.clearance(ground, placed.origin, &placed.rotation)
     }
 
-    /// Least vertical distance from the rectangle down to the ground [m], negative where the ground goes through it. `origin` is
-    /// the body's origin relative to node (0, 0) of the map. None where the rectangle leaves the map, is over unknown ground, or
-    /// faces upwards.
+    /// Least vertical distance from the rectangle down to the ground [m], negative where the ground is above it.
+    /// `origin` is the body's origin relative to node (0, 0) of the map. None where the rectangle leaves the map, is
+    /// over unknown ground, or faces upwards.
     ///
-    /// In a cell the ground less a plane is a saddle, whose maximum over any region is on the region's edge. So the nodes below
-    /// the rectangle decide, and its edges, along which the distance is a parabola in every cell.
+    /// In a cell the ground less a plane is a saddle, whose maximum over any region is on the region's edge. So the
+    /// least distance is above a node, or on an edge of the rectangle, along which the distance is a parabola in every
+    /// cell.
     pub fn clearance(&self, ground: &Terrain, origin: Vector3<f64>, rotation: &Matrix3<f64>) -> Option<f64> {
         self.lowest(ground, origin, rotation).map(|(least, _)| least)
     }
 
-    /// [`Self::clearance`], and where it is.
+    /// [`Self::clearance`] and its point.
     pub(super) fn lowest(
         &self,
         ground: &Terrain,
@@ -142,11 +143,12 @@ impl Belly {
     }
 }
 
-/// The lowest place of a segment.
+/// The point of a segment with the least distance from the ground.
 #[derive(Clone, Copy)]
 struct Place {
+    /// Its vertical distance [m].
     gap: f64,
-    /// Of the way.
+    /// Its position on the segment, 0 to 1.
     share: f64,
     /// See [`Lowest::Edge`].
     line: Option<usize>,
@@ -164,7 +166,7 @@ fn along(ground: &Terrain, [from, to]: [Vector2<f64>; 2], heights: [f64; 2]) -> 
     };
     let (mut t, mut line) = (0.0, None);
     while t < 1.0 {
-        // Up to where it leaves its cell.
+        // The piece up to the end of the cell.
         let at = from + way * t;
         let (mut end, mut next) = (1.0_f64, None);
         for axis in 0..2 {
@@ -198,7 +200,7 @@ fn along(ground: &Terrain, [from, to]: [Vector2<f64>; 2], heights: [f64; 2]) -> 
         take(c, end, next);
         let bend = a - 2.0 * b + c;
         if bend > 0.0 {
-            // The lowest place of the parabola through three values, in halves of the piece from its middle.
+            // The minimum of the parabola through three values, in halves of the piece from its middle.
             let place = (a - c) / (2.0 * bend);
             if place.abs() < 1.0 {
                 let share = t + (end - t) * 0.5 * (1.0 + place);

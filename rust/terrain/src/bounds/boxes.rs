@@ -7,9 +7,9 @@
 
 use crate::suspension::Dimensions;
 
-/// Largest sizes of angles [rad] up to which the wheels and the belly stay in the boxes that are searched.
+/// Largest absolute angles [rad] at which the wheels and the belly are inside the boxes of ground that are searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Within {
+pub struct TiltLimits {
     /// Largest roll and pitch.
     pub attitude: f64,
     /// Largest angle of a rocker.
@@ -18,15 +18,15 @@ pub struct Within {
     pub bogie: f64,
 }
 
-impl Within {
-    /// Wider ranges than [`Self::default`]: 25, 20 and 38 degrees. Wider boxes bound fewer poses: their intervals leave
-    /// them more often.
+impl TiltLimits {
+    /// Wider ranges than [`Self::default`]: 25, 20 and 38 degrees. Their boxes have wider intervals of heights, so that
+    /// they bound fewer poses.
     pub fn wide() -> Self {
         Self { attitude: 25_f64.to_radians(), rocker: 20_f64.to_radians(), bogie: 38_f64.to_radians() }
     }
 }
 
-impl Default for Within {
+impl Default for TiltLimits {
     /// The limits of Curiosity: 15, 7 and 17 degrees.
     ///
     /// (A. Rankin, M. Maimone, J. Biesiadecki, N. Patel, D. Levine, O. Toupet, Driving Curiosity: Mars rover
@@ -58,7 +58,8 @@ impl Patch {
         Self::new([(x0 + x1) / 2.0, (y0 + y1) / 2.0], half)
     }
 
-    /// Cut into `lengthwise` by `N / lengthwise` parts. Each is looked up by the smallest rectangle along the grid around it.
+    /// The box cut into `lengthwise` by `N / lengthwise` parts, each searched by the smallest rectangle along the grid
+    /// around it.
     pub fn parts<const N: usize>(self, lengthwise: usize) -> [Self; N] {
         let counts = [lengthwise, N / lengthwise];
         let half = [0, 1].map(|axis| self.half[axis] / counts[axis] as f64);
@@ -70,7 +71,7 @@ impl Patch {
         })
     }
 
-    /// The same on the right.
+    /// The mirror image on the right.
     pub fn mirrored(self) -> Self {
         Self { centre: [self.centre[0], -self.centre[1]], ..self }
     }
@@ -111,8 +112,8 @@ fn widened([low, high]: [f64; 2], by: f64) -> [f64; 2] {
     [low - by, high + by]
 }
 
-/// Place of a vector `(x, z)` turned by up to `largest` about +y.
-fn swung([x, _, z]: [f64; 3], largest: f64) -> [[f64; 2]; 2] {
+/// Intervals of x and z of a vector rotated by up to `largest` [rad] about +y.
+fn rotated_about_y([x, _, z]: [f64; 3], largest: f64) -> [[f64; 2]; 2] {
     [sinusoid(x, z, -largest, largest), sinusoid(z, -x, -largest, largest)]
 }
 
@@ -121,41 +122,42 @@ fn sum([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
 }
 
 /// Boxes of the projections of the left circles, front to rear.
-pub(super) fn wheels(dimensions: &Dimensions, within: Within) -> [Patch; 3] {
+pub(super) fn wheels(dimensions: &Dimensions, within: TiltLimits) -> [Patch; 3] {
     let [px, py, pz] = dimensions.rocker_pivot;
     std::array::from_fn(|pair| {
         let to_wheel = dimensions.to_wheel(pair);
         let (mut x, mut y, mut z) = ([px, px], py + to_wheel[1], [pz, pz]);
         let turned = if dimensions.bogie.carries(pair) {
             let to_bogie = dimensions.rocker_to_bogie;
-            let [dx, dz] = swung(to_bogie, within.rocker);
+            let [dx, dz] = rotated_about_y(to_bogie, within.rocker);
             (x, z) = (sum(x, dx), sum(z, dz));
             y += to_bogie[1];
             within.rocker + within.bogie
         } else {
             within.rocker
         };
-        let [dx, dz] = swung(to_wheel, turned);
+        let [dx, dz] = rotated_about_y(to_wheel, turned);
         let [x, y] = seen([sum(x, dx), [y, y], sum(z, dz)], within.attitude);
         let r = dimensions.wheel_radius;
-        // The axle leans by at most the roll: so much of the circle shows from the side.
+        // The inclination of the axle is at most the roll, so that the half width of the circle is at most `r
+        // sin(roll)`.
         Patch::between(widened(x, r), widened(y, r * within.attitude.sin()))
     })
 }
 
 /// The box of a level plate of the body.
-pub(super) fn plate(x: [f64; 2], y: [f64; 2], z: f64, within: Within) -> Patch {
+pub(super) fn plate(x: [f64; 2], y: [f64; 2], z: f64, within: TiltLimits) -> Patch {
     let [x, y] = seen([x, y, [z, z]], within.attitude);
     Patch::between(x, y)
 }
 
-/// Largest distance by which the height of a vector swung by up to `largest` leaves the interval between any two of its
-/// swings [m]: 0 unless it passes its lowest or highest place on the way.
+/// Largest distance by which the height of a vector rotated by up to `largest` [rad] exceeds the interval between its
+/// heights at any two angles [m]: 0 unless its lowest or highest position is between them.
 pub(super) fn sag([x, _, z]: [f64; 3], largest: f64) -> f64 {
     let [least, most] = sinusoid(z, -x, -largest, largest);
     let ends = [-largest, largest].map(|t| z * t.cos() - x * t.sin());
     if least < ends[0].min(ends[1]) || most > ends[0].max(ends[1]) {
-        // The nearer end is at most half the interval away, and that is at most the largest swing.
+        // The nearer end is at most half the interval away, which is at most `largest`.
         x.hypot(z) * (1.0 - largest.cos())
     } else {
         0.0

@@ -1,9 +1,9 @@
-//! Admissibility of poses: by bounds if they decide, else by settling.
+//! Feasibility of poses: by bounds if they are sufficient, otherwise by settling.
 
 use super::belly::Belly;
-use super::boxes::Within;
+use super::boxes::TiltLimits;
 use super::kernel::{Ground, Margins, bounds};
-use super::plan::{BoundsConstants, COUNT, Knowledge};
+use super::plan::{BoundStatus, BoundsConstants, COUNT};
 use super::stability::{tilt, wheel_drop};
 use crate::ground::{Settler, Stand, Status, settle_part};
 use crate::suspension::{Dimensions, MAX_WHEELS};
@@ -11,7 +11,7 @@ use six_wheel_numerics::error::{Error, number};
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::threads::workers::Workers;
 
-/// Limits of an admissible pose: largest sizes of angles [rad], least clearance and largest drop of a wheel [m].
+/// Limits of an admissible pose: largest absolute angles [rad], least clearance and largest drop of a wheel [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Allowed {
     /// Largest roll.
@@ -52,10 +52,10 @@ impl Allowed {
         Ok(())
     }
 
-    /// Angles for which the boxes of the bounds have to cover the wheels.
-    fn within(&self) -> Within {
-        let Within { attitude, rocker, bogie } = Within::wide();
-        Within {
+    /// Angles at which the boxes of the bounds have to hold the wheels.
+    fn within(&self) -> TiltLimits {
+        let TiltLimits { attitude, rocker, bogie } = TiltLimits::wide();
+        TiltLimits {
             attitude: attitude.min(self.roll.max(self.pitch).min(self.tilt)),
             rocker: rocker.min(self.rocker),
             bogie: bogie.min(self.bogie),
@@ -85,35 +85,34 @@ pub enum Reason {
     WheelDrop = 7,
     /// A rim or the belly may leave the map.
     OffMap = 8,
-    /// A rim or the belly may be over ground that is not known.
+    /// A rim or the belly may be over unknown ground.
     UnknownCells = 9,
-    /// It does not settle.
+    /// The rover does not settle.
     NotSettled = 10,
 }
 
-/// The answer for a pose.
+/// The feasibility of a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
     /// Reason for a refusal, or [`Reason::Ok`].
     pub reason: Reason,
     /// Smallest margin over all limits: as a share of the limit for angles and the drop, in wheel radii for clearances.
-    /// At least so much where bounds decide in favour, at most so much where they decide against; NaN where nothing is
-    /// known.
+    /// By bounds it is a lower bound for an admissible pose, an upper bound for another one; NaN where it is unknown.
     pub margin: f64,
-    /// Tilt [rad] and clearance [m]: at worst, where bounds decide.
+    /// Tilt [rad] and clearance [m]; by bounds, the largest tilt and the least clearance.
     pub tilt: f64,
     /// As for the tilt.
     pub clearance: f64,
-    /// True if the rover was settled for this verdict.
+    /// True if the rover was settled.
     pub exact: bool,
 }
 
 impl Verdict {
-    /// Nothing is known.
+    /// A pose of unknown feasibility.
     pub const UNKNOWN: Self =
         Self { reason: Reason::NotSettled, margin: f64::NAN, tilt: f64::NAN, clearance: f64::NAN, exact: false };
 
-    /// Nothing is known, for this reason.
+    /// A pose without a margin, for this reason.
     fn refused(reason: Reason) -> Self {
         Self { reason, ..Self::UNKNOWN }
     }
@@ -135,7 +134,7 @@ pub struct Judge<'a> {
 }
 
 impl<'a> Judge<'a> {
-    /// For a rover with this belly on a map whose heights may be wrong by so much [m]; `settler` has its chain.
+    /// For a rover with this belly on a map with heights exact to `error` [m]; `settler` has its chain.
     pub fn new(
         settler: Settler<'a>,
         dimensions: &Dimensions,
@@ -174,7 +173,7 @@ impl<'a> Judge<'a> {
         all.into_iter().fold((Reason::Ok, f64::INFINITY), |least, one| if one.1 < least.1 { one } else { least })
     }
 
-    /// Decided by the bounds of a pose, or not.
+    /// The feasibility by the bounds of a pose; None if they are not sufficient.
     fn by_bounds(&self, bound: &[[f64; 2]; COUNT]) -> Option<Verdict> {
         let [_, roll, pitch, tilt, clearance, rocker, left, right, drop] = *bound;
         let most = |[low, high]: [f64; 2]| low.abs().max(high.abs());
@@ -192,7 +191,7 @@ impl<'a> Judge<'a> {
         (margin < 0.0).then(|| verdict(reason, margin))
     }
 
-    /// Decided by how the rover settles.
+    /// The feasibility by the settled pose.
     fn by_settling(&self, pose: [f64; 3], stand: &Stand) -> Verdict {
         let chain = self.settler.chain;
         let Some(placed) = stand.place(chain, self.settler.ground, pose.into(), &[]) else {
@@ -207,7 +206,7 @@ impl<'a> Judge<'a> {
         let Some(clearance) = belly else {
             return Verdict::refused(Reason::UnknownCells);
         };
-        // The wheels may stand lower, and the ground under the belly be higher.
+        // The ground under the wheels may be lower by `error`, and that under the belly higher.
         let clearance = clearance - 2.0 * self.error;
         let [_, roll, pitch, rocker, left, right] = stand.state;
         let (reason, margin) = self.worst_margin([
@@ -222,15 +221,15 @@ impl<'a> Judge<'a> {
         Verdict { reason: if margin >= 0.0 { Reason::Ok } else { reason }, margin, tilt, clearance, exact: true }
     }
 
-    /// Checks for every pose, all finite, if the rover may stand there. Fails if there is no memory for the pyramid.
+    /// Computes the feasibility of every pose, all of finite numbers. Fails if there is no memory for the pyramid.
     pub fn judge(&self, poses: &[[f64; 3]], verdicts: &mut [Verdict], workers: Workers) -> Result<(), Error> {
         let ground = Ground { pyramid: self.settler.ground.pyramid(workers.is_interrupted)?, error: self.error };
         let share = poses.len().div_ceil(workers.threads.max(1)).clamp(64, 2048);
         let parts = poses.chunks(share).zip(verdicts.chunks_mut(share));
-        workers.for_each(parts, |(poses, verdicts)| self.some(ground, poses, verdicts, workers.level))
+        workers.for_each(parts, |(poses, verdicts)| self.check_range(ground, poses, verdicts, workers.level))
     }
 
-    fn some(
+    fn check_range(
         &self,
         ground: Ground<'_>,
         poses: &[[f64; 3]],
@@ -239,22 +238,22 @@ impl<'a> Judge<'a> {
     ) -> Result<(), Error> {
         let workers = Workers { level, ..Workers::PLAIN };
         let mut table = Box::new([[[0.0; 2]; BLOCK]; COUNT]);
-        let mut worth = [Knowledge::Beyond; BLOCK];
+        let mut statuses = [BoundStatus::Beyond; BLOCK];
         let margins = Margins { yaw: &[0.0], position: &[0.0] };
         let mut open = Vec::with_capacity(2 * BLOCK);
         for first in (0..poses.len()).step_by(BLOCK) {
             let some = &poses[first..poses.len().min(first + BLOCK)];
             let targets = table.each_mut().map(|block| &mut block[..some.len()]);
-            let worth = &mut worth[..some.len()];
+            let statuses = &mut statuses[..some.len()];
             let plan = std::slice::from_ref(&self.plan);
-            bounds(plan, ground, some, margins, targets, worth, workers)?;
-            for (k, worth) in worth.iter().enumerate() {
+            bounds(plan, ground, some, margins, targets, statuses, workers)?;
+            for (k, status) in statuses.iter().enumerate() {
                 let by_bounds = || self.by_bounds(&table.each_ref().map(|block| block[k]));
-                // A stand that is possible on unknown ground is refused: nothing but another map can tell.
-                let decided = match worth {
-                    Knowledge::OffMap => Some(Verdict::refused(Reason::OffMap)),
-                    Knowledge::UnknownCells => Some(Verdict::refused(Reason::UnknownCells)),
-                    Knowledge::Bounded => by_bounds(),
+                // A pose over unknown ground is refused: settling does not decide it either.
+                let decided = match status {
+                    BoundStatus::OffMap => Some(Verdict::refused(Reason::OffMap)),
+                    BoundStatus::UnknownCells => Some(Verdict::refused(Reason::UnknownCells)),
+                    BoundStatus::Bounded => by_bounds(),
                     _ => None,
                 };
                 match decided {
@@ -271,7 +270,7 @@ impl<'a> Judge<'a> {
         Ok(())
     }
 
-    /// Settles what bounds leave open.
+    /// Settles the poses that bounds do not decide.
     fn settled(&self, open: &[usize], poses: &[[f64; 3]], verdicts: &mut [Verdict]) {
         let some: Vec<[f64; 3]> = open.iter().map(|row| poses[*row]).collect();
         let mut stands = vec![Stand::nothing(Status::NotConverged); some.len()];

@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 use super::boxes::Patch;
-use super::plan::{BoundsConstants, COUNT, Knowledge, TILT};
+use super::plan::{BoundStatus, BoundsConstants, COUNT, TILT};
 use super::stand::Under;
 use crate::interval::{Interval, all};
 use crate::pyramid::{Boxes, Pyramid, nothing};
@@ -18,16 +18,16 @@ use six_wheel_numerics::threads::workers::Workers;
 /// Widening of the intervals [m, rad]: more than the rounding errors of the kernel and of a settled pose.
 const ROUNDING: f64 = 1e-9;
 
-/// Poses that are tried with one plan before the next: their numbers stay in the first-level cache.
+/// Poses that are bounded with one set of constants before the next: their numbers stay in the first-level cache.
 const BLOCK: usize = 256;
 
-/// Positions from which on neighbouring doubles are further apart than a wheel is large.
+/// Positions from which on neighbouring doubles are further apart than the size of a wheel [m].
 const FAR: f64 = 1e15;
 
 /// The ground, with the error of its heights.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
-    /// Its extremes.
+    /// Extremes of its heights.
     pub pyramid: &'a Pyramid,
     /// Largest difference between the true heights and those of the map [m].
     pub error: f64,
@@ -36,9 +36,9 @@ pub struct Ground<'a> {
 /// Ranges of yaw and position about every pose.
 #[derive(Clone, Copy, Debug)]
 pub struct Margins<'a> {
-    /// Yaw up to so much to either side, per row or once [rad].
+    /// Range of yaw to either side, per row or once [rad].
     pub yaw: &'a [f64],
-    /// Places up to so far away, per row or once [m].
+    /// Largest distance of the position, per row or once [m].
     pub position: &'a [f64],
 }
 
@@ -48,29 +48,29 @@ impl Margins<'_> {
     }
 }
 
-/// The bounds of every pose `[x, y, yaw]`, finite. Writes for each of the quantities a block of intervals, a row per pose, and
-/// for every row what is known of it; intervals that are not known are NaN. Poses whose wheels may leave the boxes of a plan are
-/// tried with the next plan. Fails only where it is interrupted.
+/// The bounds of every pose `[x, y, yaw]` of finite numbers. Writes for each of the quantities a block of intervals, a
+/// row per pose, and a status for every row; intervals of other statuses than bounded are NaN. Poses whose wheels may
+/// leave the boxes of one set of constants are bounded with the next. Fails only if it is interrupted.
 pub fn bounds(
     plans: &[BoundsConstants],
     ground: Ground<'_>,
     poses: &[[f64; 3]],
     margins: Margins<'_>,
     blocks: [&mut [[f64; 2]]; COUNT],
-    worth: &mut [Knowledge],
+    statuses: &mut [BoundStatus],
     workers: Workers,
 ) -> Result<(), Error> {
     let workers = workers.here();
     let share = workers.share(poses.len());
     let mut blocks = blocks.map(|block| block.chunks_mut(share));
-    let jobs = worth.chunks_mut(share).enumerate().map(|(k, worth)| BoundsRange {
+    let jobs = statuses.chunks_mut(share).enumerate().map(|(k, statuses)| BoundsRange {
         plans,
         ground,
-        poses: &poses[k * share..][..worth.len()],
+        poses: &poses[k * share..][..statuses.len()],
         margins,
         first: k * share,
         blocks: blocks.each_mut().map(|block| block.next().unwrap_or_default()),
-        worth,
+        statuses,
     });
     workers.for_each(jobs, |job| {
         workers.level.run_any(job);
@@ -78,7 +78,7 @@ pub fn bounds(
     })
 }
 
-/// Poses that one thread takes.
+/// Poses of one thread.
 struct BoundsRange<'a> {
     plans: &'a [BoundsConstants],
     ground: Ground<'a>,
@@ -87,7 +87,7 @@ struct BoundsRange<'a> {
     /// Row of the first one among all.
     first: usize,
     blocks: [&'a mut [[f64; 2]]; COUNT],
-    worth: &'a mut [Knowledge],
+    statuses: &'a mut [BoundStatus],
 }
 
 impl Kernel for BoundsRange<'_> {
@@ -100,11 +100,11 @@ impl Kernel for BoundsRange<'_> {
             let mut count = BLOCK.min(self.poses.len() - first);
             for plan in self.plans {
                 for some in rows[..count].chunks(S::F64_LANES) {
-                    self.some(simd, plan, some);
+                    self.bound_rows(simd, plan, some);
                 }
                 let mut left = 0;
                 for k in 0..count {
-                    if self.worth[rows[k]] == Knowledge::Beyond {
+                    if self.statuses[rows[k]] == BoundStatus::Beyond {
                         rows[left] = rows[k];
                         left += 1;
                     }
@@ -123,7 +123,7 @@ fn chord(margin: f64) -> f64 {
 impl BoundsRange<'_> {
     /// Bounds of the poses of these rows, one in every lane; there may be fewer rows than lanes.
     #[inline(always)]
-    fn some<S: Vector>(&mut self, simd: S, plan: &BoundsConstants, rows: &[usize]) {
+    fn bound_rows<S: Vector>(&mut self, simd: S, plan: &BoundsConstants, rows: &[usize]) {
         let apart = rows.len() < S::F64_LANES || rows[rows.len() - 1] - rows[0] >= S::F64_LANES;
         let pose = if apart {
             let mut columns = [[0.0; MOST]; 3];
@@ -145,29 +145,29 @@ impl BoundsRange<'_> {
         let (zero, far) = (all(simd, 0.0), all(simd, FAR));
         let near = pose[0].abs().lt(far) & pose[1].abs().lt(far);
         let yaw = within_turns(simd, pose[2]);
-        let [chord, margin] = self.spread(simd, rows);
+        let [chord, margin] = self.displacements(simd, rows);
         let pose = [near.select(pose[0], zero), near.select(pose[1], zero), yaw];
-        let place = Place::new(simd, self.ground.pyramid, pose, [chord, margin]);
+        let place = GridPoses::new(simd, self.ground.pyramid, pose, [chord, margin]);
         let seen = Seen::new(simd, plan, self.ground, &place);
         let (intervals, checks) = plan.stand(simd, &seen.wheels, seen.under);
-        // The first that does not hold is said, so it is looked at last.
-        let mut says = code(simd, Knowledge::Bounded);
-        for (holds, knowledge) in checks.into_iter().rev() {
-            says = holds.select(says, code(simd, knowledge));
+        // The first condition that does not hold gives the status: it is selected last.
+        let mut status = code(simd, BoundStatus::Bounded);
+        for (holds, violated) in checks.into_iter().rev() {
+            status = holds.select(status, code(simd, violated));
         }
-        says = seen.known.select(says, code(simd, Knowledge::UnknownCells));
-        says = (seen.on_map & near).select(says, code(simd, Knowledge::OffMap));
-        let bounded = says.lt(all(simd, 0.5));
+        status = seen.known.select(status, code(simd, BoundStatus::UnknownCells));
+        status = (seen.on_map & near).select(status, code(simd, BoundStatus::OffMap));
+        let bounded = status.lt(all(simd, 0.5));
         let (unknown, more) = (all(simd, f64::NAN), all(simd, ROUNDING));
-        let mut said = [0.0; MOST];
-        says.copy_to_slice(&mut said);
-        let worth = said.map(|says| KNOWLEDGE[says as usize % KNOWLEDGE.len()]);
-        for (row, worth) in rows.iter().zip(worth) {
-            self.worth[*row] = worth;
+        let mut codes = [0.0; MOST];
+        status.copy_to_slice(&mut codes);
+        let statuses = codes.map(|code| STATUSES[code as usize % STATUSES.len()]);
+        for (row, status) in rows.iter().zip(statuses) {
+            self.statuses[*row] = status;
         }
         let quantities = self.blocks.iter_mut().zip(intervals).enumerate();
         for (k, (block, [low, high])) in quantities {
-            // No tilt is less than none.
+            // The tilt is not negative.
             let least = if k == TILT { more } else { low };
             let interval = [bounded.select(low.max(least) - more, unknown), bounded.select(high + more, unknown)];
             if apart {
@@ -185,10 +185,10 @@ impl BoundsRange<'_> {
 }
 
 impl BoundsRange<'_> {
-    /// Largest distance that a point one metre from the origin moves over the interval of yaw, and that of all points
-    /// [m].
+    /// Largest displacement of a point one metre from the origin over the interval of yaw, and that of all points over
+    /// the range of positions [m].
     #[inline(always)]
-    fn spread<S: Vector>(&self, simd: S, rows: &[usize]) -> [Lanes<S>; 2] {
+    fn displacements<S: Vector>(&self, simd: S, rows: &[usize]) -> [Lanes<S>; 2] {
         let Margins { yaw, position } = self.margins;
         if let ([yaw], [position]) = (yaw, position) {
             return [all(simd, chord(*yaw)), all(simd, *position)];
@@ -203,7 +203,7 @@ impl BoundsRange<'_> {
     }
 }
 
-/// Angles of which sines and cosines can be had.
+/// The yaw, less whole turns where it exceeds the range of sines and cosines [rad].
 #[inline(always)]
 fn within_turns<S: Vector>(simd: S, yaw: Lanes<S>) -> Lanes<S> {
     if !all(simd, LARGEST_ANGLE).lt(yaw.abs()).any() {
@@ -220,24 +220,24 @@ fn within_turns<S: Vector>(simd: S, yaw: Lanes<S>) -> Lanes<S> {
 }
 
 /// Statuses in the order of their numbers.
-const KNOWLEDGE: [Knowledge; 6] = [
-    Knowledge::Bounded,
-    Knowledge::OffMap,
-    Knowledge::UnknownCells,
-    Knowledge::Unsolved,
-    Knowledge::Beyond,
-    Knowledge::AtStop,
+const STATUSES: [BoundStatus; 6] = [
+    BoundStatus::Bounded,
+    BoundStatus::OffMap,
+    BoundStatus::UnknownCells,
+    BoundStatus::Unsolved,
+    BoundStatus::Beyond,
+    BoundStatus::AtStop,
 ];
 
 #[inline(always)]
-fn code<S: Simd>(simd: S, knowledge: Knowledge) -> Lanes<S> {
-    all(simd, f64::from(knowledge as u8))
+fn code<S: Simd>(simd: S, status: BoundStatus) -> Lanes<S> {
+    all(simd, f64::from(status as u8))
 }
 
-/// Poses in cells of the map.
-struct Place<S: Vector> {
+/// Poses in the axes of the map, in cells.
+struct GridPoses<S: Vector> {
     origin: [Lanes<S>; 2],
-    /// Cells along the map's rows and columns per metre ahead and per metre to the left.
+    /// Cells along the map's rows and columns per metre forward, and per metre to the left.
     ahead: [Lanes<S>; 2],
     left: [Lanes<S>; 2],
     /// Largest distance that a point one metre from the origin moves over the interval of yaw, and that of all points,
@@ -250,7 +250,7 @@ struct Place<S: Vector> {
 }
 
 #[inline_always]
-impl<S: Vector> Place<S> {
+impl<S: Vector> GridPoses<S> {
     fn new(simd: S, pyramid: &Pyramid, [x, y, yaw]: [Lanes<S>; 3], [chord, margin]: [Lanes<S>; 2]) -> Self {
         let turn = pyramid.placement().turn();
         let (turned_cos, turned_sin) = (all(simd, turn.cos), all(simd, turn.sin));
@@ -273,7 +273,7 @@ impl<S: Vector> Place<S> {
     }
 
     /// Extremes of the ground in a patch and of those in `span`, and the lanes whose patch is on the map.
-    fn look(&self, pyramid: &Pyramid, patch: &Patch, span: Lanes<S>) -> (Lanes<S>, Mask<S>) {
+    fn patch_extremes(&self, pyramid: &Pyramid, patch: &Patch, span: Lanes<S>) -> (Lanes<S>, Mask<S>) {
         let simd = self.simd;
         let (cx, cy) = (all(simd, patch.centre[0]), all(simd, patch.centre[1]));
         let (hx, hy) = (all(simd, patch.half[0]), all(simd, patch.half[1]));
@@ -288,7 +288,7 @@ impl<S: Vector> Place<S> {
             let half = ahead.abs().mul_add(hx, left.abs().mul_add(hy, margin));
             let (low, high) = (middle - half, middle + half);
             on_map = on_map & zero.le(low) & high.le(all(simd, self.cells[axis]));
-            // Rounded to the nearest whole number; on a line of the grid either cell has it.
+            // Rounded to the nearest whole number; a point on a line of the grid is in either cell.
             let end = all(simd, self.cells[axis] - 1.0);
             first[axis] = ((low - less).max(zero).min(end) + round) - round;
             last[axis] = ((high - less).max(zero).min(end) + round) - round;
@@ -298,12 +298,12 @@ impl<S: Vector> Place<S> {
         (unsafe { pyramid.spans(&boxes, span) }, on_map)
     }
 
-    /// Lowest and highest ground in patches, and which lanes have them on the map and know their heights.
+    /// Lowest and highest ground in patches; clears the lanes of patches off the map or with unknown heights.
     fn extremes(&self, ground: Ground<'_>, patches: &[Patch], [on_map, known]: [&mut Mask<S>; 2]) -> Interval<S> {
         let simd = self.simd;
         let mut span = nothing(simd);
         for patch in patches {
-            let (more, here) = self.look(ground.pyramid, patch, span);
+            let (more, here) = self.patch_extremes(ground.pyramid, patch, span);
             span = more;
             *on_map = *on_map & here;
         }
@@ -320,14 +320,14 @@ struct Seen<S: Vector> {
     /// Lowest and highest under each wheel, left and right, front to rear, less the mean of all [m].
     wheels: [[Interval<S>; 3]; 2],
     under: Under<S>,
-    /// True if all of it is on the map, and if all of it is known.
+    /// True if all of it is on the map, and if all its heights are known.
     on_map: Mask<S>,
     known: Mask<S>,
 }
 
 impl<S: Vector> Seen<S> {
     #[inline(always)]
-    fn new(simd: S, plan: &BoundsConstants, ground: Ground<'_>, place: &Place<S>) -> Self {
+    fn new(simd: S, plan: &BoundsConstants, ground: Ground<'_>, place: &GridPoses<S>) -> Self {
         let yes = all(simd, 0.0).le(all(simd, 0.0));
         let (mut on_map, mut known) = (yes, yes);
         let mut wheels = [[[all(simd, 0.0); 2]; 3]; 2];

@@ -1,7 +1,8 @@
-//! Derivatives of what settled poses mean, by the pose or by dimensions: of tilt, joint margins, tip-over angle and clearance.
+//! Derivatives of tilt, joint margins, tip-over angle and clearance of settled poses, by the pose or by dimensions.
 //!
-//! The state answers as its closed gaps say ([`crate::ground::by_pose`]). A contact moves with its rim, and along it so that its
-//! gap stays the least there: inside a cell by the second derivatives of the gap, on a crease with the crease.
+//! The derivatives of the state keep all gaps closed ([`crate::ground::by_pose`]). A contact moves with its rim, and
+//! along it so that its gap stays the least: inside a cell by the second derivatives of the gap, on a crease with the
+//! crease.
 
 use nalgebra::Vector3;
 
@@ -14,10 +15,10 @@ use crate::terrain::{Interpolation, Sample, Terrain};
 /// A contact nearer to a line of the grid than this is on it [columns or rows].
 const ON_A_LINE: f64 = 1e-8;
 
-/// Derivatives of the margins of one pose; NaN where one has none.
+/// Derivatives of the margins of one pose; NaN for a margin without derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct MarginSlopes<const N: usize> {
-    /// Of the angle between the body's z axis and the vertical.
+    /// Derivatives of the angle between the body's z axis and the vertical.
     pub tilt: [f64; N],
     /// Of the angle of every free joint to its nearer stop; 0 where it has none.
     pub joints: [[f64; N]; MAX_FREE],
@@ -34,9 +35,9 @@ enum By<'a> {
     Dimension(&'a Dimensions),
 }
 
-/// A settled pose whose derivatives are asked for.
+/// A settled pose with the derivatives of its state.
 #[derive(Clone, Copy)]
-struct Answer<'a, const N: usize> {
+struct SettledJacobian<'a, const N: usize> {
     ground: &'a Terrain,
     chain: &'a Chain,
     stand: &'a Stand,
@@ -45,7 +46,7 @@ struct Answer<'a, const N: usize> {
     state: [[f64; N]; MAX_STATE],
 }
 
-/// By x, y and yaw. None where the state is not determined.
+/// Derivatives by x, y and yaw. None where the state is not determined.
 pub fn margins_by_pose(
     ground: &Terrain,
     chain: &Chain,
@@ -56,12 +57,12 @@ pub fn margins_by_pose(
 ) -> Option<MarginSlopes<3>> {
     let state = by_pose(chain, placed, stand)?;
     let by = By::Pose;
-    let answer = Answer { ground, chain, stand, placed, by, state };
+    let answer = SettledJacobian { ground, chain, stand, placed, by, state };
     Some(answer.margins(centre, belly))
 }
 
-/// By the dimensions of a rocker-bogie, in the order of [`crate::ground::by_dimension`], with centre of mass and belly as they are.
-/// None where the state is not determined.
+/// Derivatives by the dimensions of a rocker-bogie, in the order of [`crate::ground::by_dimension`], at constant centre
+/// of mass and belly. None where the state is not determined.
 pub fn margins_by_dimension(
     ground: &Terrain,
     (chain, of): (&Chain, &Dimensions),
@@ -72,11 +73,11 @@ pub fn margins_by_dimension(
 ) -> Option<MarginSlopes<DIMENSIONS>> {
     let state = by_dimension(chain, of, placed, stand)?;
     let by = By::Dimension(of);
-    let answer = Answer { ground, chain, stand, placed, by, state };
+    let answer = SettledJacobian { ground, chain, stand, placed, by, state };
     Some(answer.margins(centre, belly))
 }
 
-impl<const N: usize> Answer<'_, N> {
+impl<const N: usize> SettledJacobian<'_, N> {
     fn margins(&self, centre: [f64; 3], belly: Option<Belly>) -> MarginSlopes<N> {
         let nothing = [f64::NAN; N];
         MarginSlopes {
@@ -89,7 +90,7 @@ impl<const N: usize> Answer<'_, N> {
 
     fn tilt(&self) -> [f64; N] {
         let up = self.placed.origin + self.placed.rotation.column(2);
-        // The turn of the body's z axis sinks its end by the sine of the tilt.
+        // d cos(tilt) = -sin(tilt) d tilt, the derivative of the height of the end of the body's z axis.
         let [_, by_roll, by_pitch] = self.placed.body_slopes(up);
         let axis = self.placed.rotation.column(2);
         let sine = axis.x.hypot(axis.y);

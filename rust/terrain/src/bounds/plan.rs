@@ -1,7 +1,7 @@
 //! The intervals of a pose, the status of each, and the constants of a rover from which they are computed.
 
 use super::belly::Belly;
-use super::boxes::{self, Patch, Within};
+use super::boxes::{self, Patch, TiltLimits};
 use super::side::Side;
 use crate::suspension::{Bogie, Differential, Dimensions};
 use six_wheel_numerics::error::{Error, number};
@@ -9,16 +9,16 @@ use six_wheel_numerics::error::{Error, number};
 /// Status of the bounds of a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Knowledge {
-    /// The settled rover is inside the intervals.
+pub enum BoundStatus {
+    /// The quantities of the settled rover are inside the intervals.
     Bounded = 0,
     /// A wheel or the belly may be outside the map.
     OffMap = 1,
-    /// A height under them is not known.
+    /// A height under a wheel or the belly is unknown.
     UnknownCells = 2,
-    /// Some heights of the wheels have no solution, or more than one: not known, not impossible.
+    /// Some heights of the wheels have no solution, or more than one, so that nothing is proved.
     Unsolved = 3,
-    /// The angles may be larger than those for which the wheels are in their boxes.
+    /// The angles may exceed those at which the wheels are in their boxes.
     Beyond = 4,
     /// A joint may be at its stop, with a wheel in the air.
     AtStop = 5,
@@ -34,19 +34,19 @@ pub(super) const COUNT: usize = QUANTITIES.len();
 /// Index of the tilt among them.
 pub(super) const TILT: usize = 3;
 
-/// Largest displacement, seen from above, of a part of the body from its place on a level rover within its box.
+/// Largest displacement, seen from above, of a part of the body from its position on a level rover inside its box.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct VisibilityBox {
-    /// Sizes of its coordinates in the body [m].
+    /// Absolute coordinates in the body [m].
     pub(super) place: [f64; 3],
     /// Radius of a wheel, 0 for the belly [m].
     pub(super) radius: f64,
-    /// Ahead and aside, to either side [m].
+    /// Largest displacements along and across the body [m].
     pub(super) room: [f64; 2],
 }
 
 impl VisibilityBox {
-    /// Of a box of the body `half` as long and as wide, about `place` when level.
+    /// For a part of half length and half width `half`, centred at `place` on a level rover.
     fn new(patch: Patch, place: [f64; 3], half: [f64; 2], radius: f64) -> Self {
         let room = |axis: usize| patch.half[axis] - half[axis] - (patch.centre[axis] - place[axis]).abs();
         let far = [place[0].abs() + half[0], place[1].abs() + half[1], place[2].abs()];
@@ -67,7 +67,7 @@ pub struct BoundsConstants {
     /// Axis of the rockers in the body [m].
     pub(super) pivot: [f64; 3],
     pub(super) radius: f64,
-    /// Smallest lateral distance of a wheel, and what those of each pair have more [m].
+    /// Smallest lateral distance of a wheel, and the differences of each pair from it [m].
     pub(super) lateral: f64,
     pub(super) offsets: [f64; 3],
     /// Pairs of wheels, from the front: the rocker's, the bogie's ahead and the bogie's behind.
@@ -80,16 +80,16 @@ pub struct BoundsConstants {
     pub(super) sag: [f64; 4],
     /// Largest displacement of a wheel by a coupling bar against that by a gear [m].
     pub(super) looseness: f64,
-    pub(super) within: Within,
-    /// Largest size of the mean of the rockers' angles, as they are coupled [rad].
+    pub(super) within: TiltLimits,
+    /// Largest absolute mean of the rockers' angles by their coupling [rad].
     pub(super) slack: f64,
     pub(super) rocker_limit: [f64; 2],
     pub(super) bogie_limit: [f64; 2],
 }
 
 impl BoundsConstants {
-    /// For a rover with this belly, its wheels in boxes for angles within a range.
-    pub fn new(dimensions: &Dimensions, plate: Belly, within: Within) -> Result<Self, Error> {
+    /// For a rover with this belly; its boxes hold the wheels at angles inside the limits.
+    pub fn new(dimensions: &Dimensions, plate: Belly, within: TiltLimits) -> Result<Self, Error> {
         let largest = 40_f64.to_radians();
         for (name, angle) in [("attitude", within.attitude), ("rocker", within.rocker), ("bogie", within.bogie)] {
             if !(angle > 0.0 && angle <= largest) {
@@ -140,7 +140,7 @@ impl BoundsConstants {
     }
 }
 
-/// Largest size of the rockers' mean angle for a left one up to `largest` to either side.
+/// Largest absolute mean angle of the rockers for a left one up to `largest` [rad].
 pub(super) fn slack(differential: Differential, largest: f64) -> Result<f64, Error> {
     if differential == Differential::Gear {
         return Ok(0.0);
@@ -148,7 +148,7 @@ pub(super) fn slack(differential: Differential, largest: f64) -> Result<f64, Err
     const STEPS: i32 = 64;
     let mut most = 0.0_f64;
     for k in -STEPS..=STEPS {
-        // Beyond the range the right rocker may be, too.
+        // The right rocker may exceed the range of the left one.
         let left = 1.5 * largest * f64::from(k) / f64::from(STEPS);
         let Some([right, _]) = differential.right(left) else {
             let rule = "reach as far as the rockers may turn";
@@ -156,6 +156,6 @@ pub(super) fn slack(differential: Differential, largest: f64) -> Result<f64, Err
         };
         most = most.max(((left + right) / 2.0).abs());
     }
-    // Between two samples of a curve this smooth.
+    // With a margin for the curve between two samples.
     Ok(1.01 * most + 1e-6)
 }

@@ -1,7 +1,7 @@
 //! One side of a rocker-bogie in its own plane: from the heights of three wheels to those of the axes.
 //!
-//! Divided by cos(g) and freed of what their lateral places add, heights are those of a planar chain (g is the
-//! inclination of the body's y axis). With `h(v, t) = v_z cos(t) - v_x sin(t)` the height of a vector turned by
+//! Divided by cos(g), with g the inclination of the body's y axis, and less the share of their lateral positions,
+//! heights are those of a planar chain. With `h(v, t) = v_z cos(t) - v_x sin(t)` the height of a vector rotated by
 //! `Ry(t)`, `a` and `b` the wheels of the bogie ahead of and behind its axis B, `s` the wheel of the rocker:
 //!
 //! ```text
@@ -10,10 +10,10 @@
 //! bogie in front                     t_rocker = phi_r - asin((e_B - e_s) / L_r),  e_D = e_s - h(s, t_rocker)
 //! ```
 //!
-//! Both angles are 0 where the joints are and the body is level. e_B grows with e_a and with e_b exactly while B
-//! is, along the plane, between its wheels: `de_B = (-X_b de_a + X_a de_b) / (X_a - X_b)`, X the distances ahead of B.
-//! Likewise e_D while D is between B and s. So over a box of heights all extremes are at corners while the angles
-//! stay in the [`Solvable`] ranges; outside nothing is claimed.
+//! Both angles are 0 if the joints are at 0 and the body is level. e_B increases with e_a and with e_b while B is,
+//! along the plane, between its wheels: `de_B = (-X_b de_a + X_a de_b) / (X_a - X_b)`, X the distances ahead of B.
+//! Likewise e_D while D is between B and s. So over a box of heights all extremes are at corners while the angles are
+//! inside the ranges of [`Lever::range`]; outside of these nothing is proved.
 
 use crate::suspension::{Bogie, Dimensions};
 use six_wheel_numerics::error::{Error, number};
@@ -25,10 +25,10 @@ pub(super) struct Lever {
     pub inverse_length: f64,
     /// Angle of the line from the support behind to the one ahead, at angle 0 [rad].
     pub phi: f64,
-    /// Height of the chosen support above the axis: `along sin(phi - t) + off cos(phi - t)` [m].
+    /// Coefficients of the height of the chosen support above the axis: `along sin(phi - t) + off cos(phi - t)` [m].
     pub along: f64,
     pub off: f64,
-    /// Sines `sin(phi - t)` for which the axis is between the supports.
+    /// Range of `sin(phi - t)` in which the axis is between the supports.
     pub range: [f64; 2],
 }
 
@@ -64,8 +64,8 @@ pub(super) struct Side {
     pub rocker: Lever,
     /// True if the bogie is in front of the rocker's axis.
     pub in_front: bool,
-    /// True if the bogie's angle against the rocker has its extremes at the corners of the bogie's own: the rocker is
-    /// turned less by the wheels of the bogie than the bogie is.
+    /// True if the bogie's angle against the rocker has its extremes at the corners of the bogie's own heights: these
+    /// turn the rocker by less than the bogie.
     pub coupled: bool,
 }
 

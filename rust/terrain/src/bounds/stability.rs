@@ -5,12 +5,12 @@ use nalgebra::{Matrix6, Unit, Vector3, Vector6};
 use crate::ground::Stand;
 use crate::suspension::{Chain, MAX_WHEELS, Placed};
 
-/// Share of the weight that a wheel carries, pushed straight up where it touches, with the wheels held by their links.
+/// Shares of the weight that the wheels carry, with vertical forces at the contacts.
 ///
-/// The forces do no work on any motion of the body that turns it or lifts it, nor on one of a free joint, against
-/// the weight in `centre` of the body: as many equations as wheels. A joint at its stop takes any moment, and a
-/// wheel in the air carries nothing. None where they do not determine the loads. A negative load would have to
-/// pull.
+/// Virtual work: for every motion of the body in z, roll and pitch and of a free joint, the work of the loads is that
+/// of the weight in `centre` of the body, which gives as many equations as wheels. A joint at its stop takes any
+/// moment, and a wheel in the air has no load. None if the equations do not determine the loads. A negative load is a
+/// force downwards.
 pub fn loads(chain: &Chain, stand: &Stand, placed: &Placed<'_>, centre: [f64; 3]) -> Option<[f64; MAX_WHEELS]> {
     let count = chain.wheels().len();
     let weight = placed.origin + placed.rotation * Vector3::from(centre);
@@ -24,13 +24,13 @@ pub fn loads(chain: &Chain, stand: &Stand, placed: &Placed<'_>, centre: [f64; 3]
     let states = chain.state_count();
     for wheel in (0..count).filter(|&wheel| stand.touches(wheel)) {
         let point = stand.point(chain, placed, wheel);
-        // By x, y, yaw, z, roll, pitch and the free angles.
+        // Derivatives by x, y, yaw, z, roll, pitch and the free angles.
         let slopes = placed.point_slopes(wheel, point);
         for state in 0..states {
             matrix[(state, wheel)] = slopes[3 + state].z;
         }
     }
-    // An equation too many for every wheel too few: that of the joint which its stop holds.
+    // For every wheel in the air, the equation of a joint at its stop is left out.
     let mut held: Vec<usize> = (0..states - 3).filter(|&joint| stand.stops[joint] != 0).collect();
     for wheel in (0..6).filter(|&wheel| wheel >= count || !stand.touches(wheel)) {
         let row = if wheel >= count || states < 6 && held.is_empty() {
@@ -47,8 +47,8 @@ pub fn loads(chain: &Chain, stand: &Stand, placed: &Placed<'_>, centre: [f64; 3]
     shares.iter().all(|share| share.is_finite()).then_some(shares)
 }
 
-/// The least angle by which the rover has to be turned about a line through two of its contacts until its weight
-/// is above that line [rad]; negative where it is past it.
+/// The least angle of a rotation about a line through two contacts that brings the centre of mass above that line
+/// [rad]; negative if it is beyond the line.
 ///
 /// (E. Papadopoulos, D. Rey, A new measure of tipover stability margin for mobile manipulators, ICRA 1996, for a
 /// rover at rest.)
@@ -80,7 +80,7 @@ pub(super) fn tip_over_edge(chain: &Chain, stand: &Stand, placed: &Placed<'_>, c
         let edge = Unit::new_normalize(to - from);
         let across = |v: Vector3<f64>| v - edge.scale(v.dot(&edge));
         let (down, line) = (across(-Vector3::z()), across(from - weight));
-        // Counter-clockwise seen from above: the weight is to the left of the edge.
+        // Edges are counter-clockwise seen from above: the centre of mass is to the left of the edge.
         let angle = edge.dot(&line.cross(&down)).atan2(line.dot(&down));
         if least.is_none_or(|least| angle < least.angle) {
             least = Some(Edge { angle, wheels: [*first, second], points: [*from, to] });
@@ -127,7 +127,7 @@ pub fn tilt(placed: &Placed<'_>) -> f64 {
     up.x.hypot(up.y).atan2(up.z)
 }
 
-/// Largest distance, in the body, of a wheel below its place at angles 0 [m].
+/// Largest distance, in the body, of a wheel below its position at angles 0 [m].
 pub fn wheel_drop(chain: &Chain, placed: &Placed<'_>, level: &[f64; MAX_WHEELS]) -> f64 {
     let up = placed.rotation.column(2);
     let drops =

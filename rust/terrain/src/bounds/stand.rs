@@ -1,10 +1,10 @@
-//! From the ground under the wheels to intervals of everything: the closed form of `side` on both sides.
+//! Intervals of all quantities from the ground under the wheels: the closed form of `side` on both sides.
 //!
-//! Written without closures: they would be functions of their own, without the instructions of the level.
+//! Written without closures, which would be compiled as functions without the instructions of the level.
 
 use pulp::Simd;
 
-use super::plan::{BoundsConstants, COUNT, Knowledge, VisibilityBox};
+use super::plan::{BoundStatus, BoundsConstants, COUNT, VisibilityBox};
 use super::side::{Lever, Side};
 use crate::interval::{Interval, Turned, all, asin, both, complement, even, inside, minus, sum, times, widest};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -13,7 +13,7 @@ use six_wheel_numerics::simd::polynomials::sin_cos;
 /// Rounds of the contraction of tan(g); the fourth gained less than 1e-3 of the width.
 const ROUNDS: usize = 3;
 
-/// tan(30 degrees): where the contraction of tan(g) begins.
+/// tan(30 degrees): the initial interval of the contraction of tan(g), to either side.
 const STEEPEST: f64 = 0.577_350_269_189_625_8;
 
 /// The ground under the body, less the mean of that under the wheels, and that mean [m].
@@ -25,18 +25,18 @@ pub(super) struct Under<S: Simd> {
     pub floor: Lanes<S>,
 }
 
-/// Of all quantities.
+/// Intervals of all quantities.
 pub(super) type Intervals<S> = [Interval<S>; COUNT];
 
-/// One side, with its height and both its angles.
+/// Intervals of one side: the height of its rocker axis and both its angles.
 #[derive(Clone, Copy)]
 struct Raised<S: Simd> {
-    /// Height of D, less what lateral places add [m].
+    /// Height of D, less the share of lateral positions [m].
     axis: Interval<S>,
     /// Sines `sin(phi - t)` of the bogie and of the rocker.
     bogie: Interval<S>,
     rocker: Interval<S>,
-    /// Heights of B where the bogie is turned least and most [m].
+    /// Heights of B at the least and the largest angle of the bogie [m].
     turned: Interval<S>,
     /// True if all extremes are at corners.
     solvable: Mask<S>,
@@ -91,7 +91,7 @@ impl Side {
         if !self.coupled {
             return [rocker, [bogie[0] - rocker[1], bogie[1] - rocker[0]]];
         }
-        // Least where the bogie is turned least and the rocker, by its wheel, most.
+        // Least at the least angle of the bogie and the largest angle of the rocker by its wheel.
         let wheel = if self.in_front { [single[1], single[0]] } else { single };
         [
             rocker,
@@ -130,7 +130,8 @@ impl BoundsConstants {
         [self.reduced(&wheels[0], minus(tan), inverse_cos), self.reduced(&wheels[1], tan, inverse_cos)]
     }
 
-    /// The interval of tan(g), by contraction of `tan(g) = (E_left - E_right) / (2 y)`, and where it is proved.
+    /// The interval of tan(g), by contraction of `tan(g) = (E_left - E_right) / (2 y)`, and the lanes in which it is
+    /// proved.
     fn inclination<S: Simd>(&self, simd: S, wheels: &[[Interval<S>; 3]; 2]) -> (Interval<S>, Mask<S>) {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let mut tan = [all(simd, -STEEPEST), all(simd, STEEPEST)];
@@ -145,7 +146,7 @@ impl BoundsConstants {
             ];
             let solvable = left.solvable & right.solvable;
             let held = narrower[0].le(narrower[1]);
-            // No inclination of up to 30 degrees has these heights: a steeper one may have.
+            // If no inclination of up to 30 degrees has these heights, a steeper one may have them.
             proved = proved & (held | !solvable);
             let take = solvable & held;
             tan = [take.select(narrower[0], tan[0]), take.select(narrower[1], tan[1])];
@@ -159,7 +160,7 @@ impl BoundsConstants {
         simd: S,
         wheels: &[[Interval<S>; 3]; 2],
         under: Under<S>,
-    ) -> (Intervals<S>, [(Mask<S>, Knowledge); 3]) {
+    ) -> (Intervals<S>, [(Mask<S>, BoundStatus); 3]) {
         let (one, half) = (all(simd, 1.0), all(simd, 0.5));
         let (tan, mut proved) = self.inclination(simd, wheels);
         let [left, right] = self.sides(wheels, tan);
@@ -200,7 +201,7 @@ impl BoundsConstants {
             & inside(bogie_right, self.bogie_limit);
         (
             [z, roll, pitch, tilt, clearance, rocker, bogie_left, bogie_right, drop],
-            [(proved, Knowledge::Unsolved), (boxed, Knowledge::Beyond), (free, Knowledge::AtStop)],
+            [(proved, BoundStatus::Unsolved), (boxed, BoundStatus::Beyond), (free, BoundStatus::AtStop)],
         )
     }
 
@@ -244,7 +245,7 @@ impl BoundsConstants {
         [[left, both!(end in on_left => sin_cos(simd, end))], [right, both!(end in on_right => sin_cos(simd, end))]]
     }
 
-    /// Height that the end of a vector of `vectors` loses against the level position [m].
+    /// Decrease of the height of the end of a vector of `vectors` from the level position [m].
     fn fall<S: Simd>(&self, k: usize, ends: &Turned<S>) -> Interval<S> {
         let simd = ends[0].0.simd();
         let [x, _, z] = self.vectors[k];
@@ -269,7 +270,7 @@ impl BoundsConstants {
     }
 
     /// Largest displacements of the end of a vector of `vectors`, along and across [m].
-    fn swing<S: Simd>(&self, k: usize, ends: &Turned<S>) -> Interval<S> {
+    fn displacement<S: Simd>(&self, k: usize, ends: &Turned<S>) -> Interval<S> {
         let simd = ends[0].0.simd();
         let [x, _, z] = self.vectors[k];
         let (x, z) = (all(simd, x.abs()), all(simd, z.abs()));
@@ -280,16 +281,20 @@ impl BoundsConstants {
 
     /// True if every wheel and the belly, seen from above, are in the boxes of ground that were searched.
     ///
-    /// As all heights grow from 0 to those of the map, the rover moves continuously from a level stand, at which all wheels are in
-    /// their boxes, to its stand on the map. The bounds hold while the wheels are in the boxes and then say that they stay there,
-    /// so none can leave.
+    /// As all heights increase from 0 to those of the map, the settled pose changes continuously from the level one, in
+    /// which all wheels are in their boxes. The bounds hold while the wheels are in the boxes, and imply that they are
+    /// strictly inside; so no wheel can leave its box.
     fn boxed<S: Simd>(&self, turned: &[[Turned<S>; 2]; 2], pitch: Lanes<S>, roll: Lanes<S>) -> Mask<S> {
         let simd = pitch.simd();
         let still = [all(simd, 0.0); 2];
         let mut fits = self.rooms[3].holds(still, pitch, roll);
         for [rocker, carried] in turned {
-            let joint = self.swing(1, rocker);
-            let moved = [self.swing(0, rocker), sum(joint, self.swing(2, carried)), sum(joint, self.swing(3, carried))];
+            let joint = self.displacement(1, rocker);
+            let moved = [
+                self.displacement(0, rocker),
+                sum(joint, self.displacement(2, carried)),
+                sum(joint, self.displacement(3, carried)),
+            ];
             for (moved, &pair) in moved.into_iter().zip(&self.roles) {
                 fits = fits & self.rooms[pair].holds(moved, pitch, roll);
             }
@@ -299,7 +304,8 @@ impl BoundsConstants {
 }
 
 impl VisibilityBox {
-    /// True if a part that has moved so far ahead and up in the body is seen inside, at these sines at most.
+    /// True if a part that is displaced by `moved` (forward, up) in the body is inside the box seen from above, at
+    /// attitudes with up to these sines of pitch and roll.
     #[inline(always)]
     fn holds<S: Simd>(&self, moved: [Lanes<S>; 2], pitch: Lanes<S>, roll: Lanes<S>) -> Mask<S> {
         let simd = pitch.simd();

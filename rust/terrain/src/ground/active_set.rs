@@ -1,8 +1,9 @@
-//! Gaps that are to be closed: the active set of joints and wheels, and when a gap counts as closed.
+//! The active set of joints and wheels, which determines the gaps to be closed, and the tolerance of a closed gap.
 
 use crate::suspension::{MAX_FREE, State};
 
-/// A gap is closed if it is at most the first [m] and the second times the height: some roundings of heights of that size.
+/// A gap is closed if it is at most the first number [m] plus the second times the height of the body: the rounding of
+/// heights.
 pub(crate) const CLOSED_GAP: [f64; 2] = [2e-12, 2e-15];
 
 /// The active set: joints held at an angle, and wheels in the air.
@@ -10,12 +11,12 @@ pub(crate) const CLOSED_GAP: [f64; 2] = [2e-12, 2e-15];
 pub(crate) struct ActiveSet {
     /// Angles of the joints that are held.
     pub joints: [Option<f64>; MAX_FREE],
-    /// Bits of the wheels that are left in the air.
+    /// Bits of the wheels in the air.
     pub hanging: u32,
 }
 
 impl ActiveSet {
-    /// Nothing held, nothing in the air.
+    /// No joint held, no wheel in the air.
     pub const NONE: Self = Self { joints: [None; MAX_FREE], hanging: 0 };
 
     /// True if a wheel touches.
@@ -30,7 +31,7 @@ impl ActiveSet {
         (0..count).filter(move |&k| k < 3 || joints[k - 3].is_none())
     }
 
-    /// A state with the joints held where they are.
+    /// The state with the held joints at their angles.
     pub fn held(&self, mut state: State) -> State {
         for (angle, held) in state[3..].iter_mut().zip(self.joints) {
             *angle = held.unwrap_or(*angle);

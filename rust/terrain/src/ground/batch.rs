@@ -1,10 +1,10 @@
 //! Settling of poses by rounds of Newton's method: a pose in every lane, those that have settled replaced by others, or one
 //! pose alone with its wheels in the lanes. Both are one body, and give the same bits.
 //!
-//! A round searches whole rims where the gaps are large, and otherwise only the neighbourhood of the last contacts. A pose counts
-//! as settled when every gap is closed and a search of whole rims has found no other contact within the distance moved since. All
-//! other cases (unknown ground, the end of the map, a joint past its stop, a wall as high as a wheel, too many rounds) are left
-//! to [`Settler::settle_near`].
+//! A round searches whole rims where the gaps are large, and otherwise only the neighbourhood of the last contacts. A
+//! pose counts as settled when every gap is closed and a search of whole rims has found no other contact within the
+//! displacement since then. All other cases (unknown ground, the edge of the map, a joint past its stop, a step as high
+//! as a wheel, too many rounds) are left to [`Settler::settle_near`].
 
 pub(crate) mod pivots;
 pub(crate) mod poses;
@@ -33,8 +33,8 @@ const WORTH_LANES: usize = 8;
 const START_TURN: f64 = 0.4;
 const START_ANGLE: f64 = 0.8;
 
-/// Settles poses of finite numbers, with or without steering angles; rows that are left have nothing written. Returns the rows
-/// that are left: all for chains with more wheels than can touch.
+/// Settles poses of finite numbers, with or without steering angles. Returns the rows for [`Settler::settle_near`], for
+/// which nothing is written: all rows of chains with more wheels than numbers of the state.
 pub(crate) fn settle(
     settler: &Settler<'_>,
     poses: &[[f64; 3]],
@@ -79,7 +79,7 @@ impl Kernel for InLanes<'_, '_> {
             for rows in now[0].chunks(S::F64_LANES) {
                 range.start(simd, &mut batch, rows);
             }
-            next[0].extend(now[0].iter().filter(|row| range.goes_on(&batch, first, **row)));
+            next[0].extend(now[0].iter().filter(|row| range.is_unsettled(&batch, first, **row)));
             while next.iter().any(|rows| !rows.is_empty()) {
                 std::mem::swap(&mut next, &mut now);
                 for (list, extent) in Extent::ALL.iter().enumerate() {
@@ -90,7 +90,7 @@ impl Kernel for InLanes<'_, '_> {
                 }
                 for &row in now.iter().flatten() {
                     let list = batch.states[row as usize].extent() as usize;
-                    if range.goes_on(&batch, first, row) {
+                    if range.is_unsettled(&batch, first, row) {
                         next[list].push(row);
                     }
                 }
@@ -109,7 +109,7 @@ impl Kernel for OneByOne<'_, '_> {
             let mut batch = PoseBatch::<1>::EMPTY;
             range.begin(&mut batch, first, 1);
             range.start(Scalar, &mut batch, &[0]);
-            while range.goes_on(&batch, first, 0) {
+            while range.is_unsettled(&batch, first, 0) {
                 let extent = batch.states[0].extent();
                 range.round(Scalar, AllWheels(simd), &mut batch, first, &[0], extent);
             }
@@ -119,8 +119,8 @@ impl Kernel for OneByOne<'_, '_> {
 
 #[inline_always]
 impl SettleRange<'_, '_> {
-    /// True if a pose has another round to go. One that has had too many is left.
-    fn goes_on<const N: usize>(&mut self, batch: &PoseBatch<N>, first: usize, row: u16) -> bool {
+    /// True if a pose takes another round. After too many rounds it is left.
+    fn is_unsettled<const N: usize>(&mut self, batch: &PoseBatch<N>, first: usize, row: u16) -> bool {
         let rounds = batch.rounds[row as usize];
         if (ROUNDS..LEFT).contains(&rounds) {
             self.left.push((first + row as usize, None));
@@ -128,7 +128,7 @@ impl SettleRange<'_, '_> {
         rounds < ROUNDS
     }
 
-    /// Puts poses in their first state. Those over ground that is not known have no round to go.
+    /// Sets the initial states of poses. Those over unknown ground take no round.
     fn start<S: Vector, const N: usize>(&self, simd: S, batch: &mut PoseBatch<N>, rows: &[u16]) {
         let mut here = self.here(simd, batch, rows);
         let known = initial_state(simd, &self.site(), &mut here).booleans();
@@ -143,8 +143,8 @@ impl SettleRange<'_, '_> {
     }
 }
 
-/// Moves states to where every wheel's centre is one radius above the ground below it. False in the lanes where that ground is
-/// unknown or the system is singular: there only the height is set, by the mean of the known ground.
+/// Sets states in which every wheel's centre is one radius above the ground below it. False in the lanes where that
+/// ground is unknown or the system is singular: there only the height is set, by the mean of the known ground.
 #[inline(always)]
 pub(crate) fn initial_state<S: Vector>(simd: S, site: &Site<'_>, here: &mut StateLanes<S>) -> Mask<S> {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));

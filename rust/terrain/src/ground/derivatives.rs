@@ -1,4 +1,4 @@
-//! Derivatives of a settled state, by the implicit function theorem: gaps that stay closed.
+//! Derivatives of a settled state by the implicit function theorem: the gaps stay closed.
 
 use nalgebra::Vector3;
 
@@ -10,9 +10,9 @@ use crate::suspension::{Bogie, Chain, Dimensions, MAX_FREE, MAX_STATE, Placed};
 /// Number of dimensions of a rocker-bogie: five vectors and the wheel radius.
 pub const DIMENSIONS: usize = 16;
 
-/// Derivatives of z, roll, pitch and the free angles by something that moves the gaps of the wheels at these
-/// rates. None where the state is not determined.
-fn answer<const N: usize>(
+/// Derivatives of z, roll, pitch and the free angles by variables with these derivatives of the wheels' gaps. None
+/// where the state is not determined.
+fn state_derivatives<const N: usize>(
     chain: &Chain,
     placed: &Placed<'_>,
     stand: &Stand,
@@ -45,7 +45,7 @@ fn answer<const N: usize>(
 /// Derivatives of a settled state by x, y and yaw. None where the state is not determined.
 #[inline]
 pub fn by_pose(chain: &Chain, placed: &Placed<'_>, stand: &Stand) -> Option<[[f64; 3]; MAX_STATE]> {
-    answer(chain, placed, stand, |wheel, point, contact| gap_slopes(placed, wheel, point, contact).0)
+    state_derivatives(chain, placed, stand, |wheel, point, contact| gap_slopes(placed, wheel, point, contact).0)
 }
 
 /// Derivatives of a settled state by the dimensions of a rocker-bogie, in the order of [`Dimensions::vectors`], and
@@ -56,7 +56,7 @@ pub fn by_dimension(
     placed: &Placed<'_>,
     stand: &Stand,
 ) -> Option<[[f64; DIMENSIONS]; MAX_STATE]> {
-    answer(chain, placed, stand, |wheel, _, contact| {
+    state_derivatives(chain, placed, stand, |wheel, _, contact| {
         let upwards = contact.upwards();
         let mut rates = [0.0; DIMENSIONS];
         for (rate, shift) in rates.iter_mut().zip(shift_by_dimension(of, placed, wheel)) {
@@ -73,7 +73,7 @@ pub fn shift_by_dimension(of: &Dimensions, placed: &Placed<'_>, wheel: usize) ->
     let (rocker, bogie) = (side, 2 + side);
     let mirror = if side == 0 { 1.0 } else { -1.0 };
     let mut shifts = [Vector3::zeros(); DIMENSIONS - 1];
-    // A vector in the axes of a rotation, mirrored on the right.
+    // A vector of the dimensions is rotated with its part, and mirrored on the right.
     let mut add = |vector: usize, rotation: nalgebra::Matrix3<f64>| {
         shifts[3 * vector] = rotation.column(0).into();
         shifts[3 * vector + 1] = rotation.column(1) * mirror;

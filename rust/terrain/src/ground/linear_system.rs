@@ -1,9 +1,9 @@
-//! Small systems of linear equations, one alone: derivatives of settled poses, and loads.
+//! Small systems of linear equations in plain numbers: derivatives of settled poses, and loads.
 
 use super::pivots::SMALLEST_PIVOT;
 use crate::suspension::{MAX_STATE, MAX_WHEELS};
 
-/// As many equations as unknowns, of which there are at most six, and up to three right-hand sides.
+/// As many equations as unknowns, at most six, with `RIGHT` right-hand sides.
 pub(crate) struct LinearSystem<const RIGHT: usize> {
     /// Rows of coefficients.
     pub rows: [[f64; MAX_STATE]; MAX_WHEELS],

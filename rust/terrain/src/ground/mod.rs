@@ -1,15 +1,16 @@
-//! Rovers on ground: where a chain settles on a grid of heights.
+//! Rovers on ground: settled poses of a chain on a grid of heights.
 //!
-//! [`rims`] (the least gap of wheels), [`scan`] (all wheels of chains at their states), [`pivots`] (Newton's step), [`round`] and
-//! [`batch`] (rounds of Newton's method, a pose in every lane or one alone), [`newton`] (with a line search, for poses at which
-//! these do not converge), [`growth`] (continuation, where a line search does not converge), [`stops`] (joints at their stops,
-//! wheels in the air), [`settle`] (the answer, with its status), [`stand`] (the answer as numbers), [`rows`] (the calls),
-//! [`derivatives`] (of the answer, by the pose and by dimensions).
+//! [`rims`] (the least gap of wheels), [`scan`] (all wheels of chains at their states), [`pivots`] (Newton's step),
+//! [`round`] and [`batch`] (rounds of Newton's method, a pose in every lane or one alone), [`newton`] (with a line
+//! search, for poses at which these do not converge), [`continuation`] (from flat ground, where a line search does not
+//! converge), [`stops`] (joints at their stops, wheels in the air), [`settle`] (the settled pose with its status),
+//! [`stand`] (the settled pose as numbers), [`rows`] (the calls), [`derivatives`] (of the settled pose, by the pose in
+//! the plane and by dimensions).
 
 mod active_set;
 mod batch;
+mod continuation;
 mod derivatives;
-mod growth;
 mod linear_system;
 mod newton;
 mod rims;

@@ -1,7 +1,7 @@
-//! Newton's method with a line search, for one pose: what rounds of [`super::batch`] leave, and active sets.
+//! Newton's method with a line search, for one pose: those that rounds of [`super::batch`] leave, and active sets.
 //!
-//! Every look goes along the whole lower halves of the rims, exactly; the upper ones follow when the gaps are closed. Gaps, their
-//! slopes and the step are those of the rounds ([`RimScan`], [`solve`]).
+//! Every evaluation searches the whole lower halves of the rims; the upper halves are searched when the gaps are
+//! closed. Gaps, their slopes and the step are those of the rounds ([`RimScan`], [`solve`]).
 
 use pulp::Scalar;
 
@@ -20,22 +20,22 @@ use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Largest turn of any joint or of the body in one step [rad].
+/// Largest change of any angle in one step [rad].
 const LARGEST_TURN: f64 = 0.3;
 
-/// Angles beyond this are no way to stand [rad].
+/// Largest angle of a settled pose [rad].
 pub(crate) const LARGEST_ANGLE: f64 = 1.35;
 
-/// A gap below this [m] that no step closes any more is closed but for rounding.
+/// A gap below this that no step reduces counts as closed [m]: rounding.
 const ROUNDING: f64 = 1e-10;
 
 /// Steps of one attempt.
 const STEPS: usize = 40;
 
-/// Steps that may close no gap before another start is tried.
+/// Steps without a smaller gap after which another start is tried.
 const STALLS: usize = 5;
 
-/// A chain whose gaps are closed, or the best that an attempt came to.
+/// The state of a chain with closed gaps, or the best state of an attempt.
 #[derive(Clone, Debug)]
 pub(crate) struct NewtonResult {
     pub state: State,
@@ -44,7 +44,7 @@ pub(crate) struct NewtonResult {
 }
 
 impl NewtonResult {
-    /// Reason for which nothing is known to stand there: off the map, over unknown ground, or neither.
+    /// The reason of a failure: off the map, over unknown ground, or not converged.
     pub fn reason(&self, chain: &Chain) -> Status {
         let rims = &self.rims[..chain.wheels().len()];
         if rims.iter().any(|rim| rim.outside) {
@@ -92,7 +92,7 @@ pub(crate) struct OnePose<'a> {
     chain: &'a Chain,
     ground: &'a Terrain,
     level: Level,
-    /// By its distances from node (0, 0) of the map.
+    /// Relative to node (0, 0) of the map.
     pose: PlanPose,
     on_grid: PoseOnGrid,
     steering: &'a [f64],
@@ -113,17 +113,17 @@ impl<'a> OnePose<'a> {
         Self { over: [share, datum], ..self }
     }
 
-    /// The pose in the plane, by its distances from node (0, 0) of the map.
+    /// The pose in the plane, relative to node (0, 0) of the map.
     pub fn plan_pose(&self) -> PlanPose {
         self.pose
     }
 
-    /// The chain, by its distances from node (0, 0) of the map. None where a differential does not reach.
+    /// The chain, relative to node (0, 0) of the map. None where a differential has no solution.
     pub fn place(&self, state: &State) -> Option<Placed<'a>> {
         self.chain.place(self.pose, state, self.steering)
     }
 
-    /// Gaps and step at a state. None where a differential does not reach.
+    /// Gaps and step at a state. None where a differential has no solution.
     pub fn evaluate(&self, state: State, order: &PivotOrder, segment: RimSegment) -> Option<Evaluation> {
         self.level.run_any(Evaluate { pose: self, state, order, segment })
     }
@@ -158,14 +158,14 @@ impl<'a> OnePose<'a> {
         lanes
     }
 
-    /// Closes the gaps from a start. None where a differential does not reach.
+    /// Closes the gaps from an initial state. None where a differential has no solution.
     pub fn close(&self, start: State, hold: &ActiveSet) -> Option<NewtonResult> {
         let order = &PivotOrder::new(self.chain, hold);
         let (mut segment, mut stalls) = (RimSegment::Lower, 0);
         let mut here = self.evaluate(hold.held(start), order, segment)?;
         for _ in 0..STEPS {
             if here.is_closed() && segment == RimSegment::Lower {
-                // Only the whole rim says that nothing else touches.
+                // A search of the whole rim excludes other contacts.
                 segment = RimSegment::Whole;
                 here = self.evaluate(here.state, order, segment)?;
             }
@@ -176,7 +176,7 @@ impl<'a> OnePose<'a> {
             let Some(trial) = self.line_search(&here, &step, order, segment)? else { break };
             if trial.worst >= here.worst {
                 if here.worst < ROUNDING {
-                    // There is nothing left to close.
+                    // The remaining gap is rounding.
                     let whole = self.evaluate(here.state, order, RimSegment::Whole)?;
                     let closed = whole.worst < ROUNDING;
                     return Some(whole.result(closed));
@@ -191,8 +191,8 @@ impl<'a> OnePose<'a> {
         Some(here.result(false))
     }
 
-    /// The best of a step and its halves, up to the first that closes the gaps enough. None outside where a differential does
-    /// not reach, None inside where every trial is at angles at which nothing stands.
+    /// The best of a step and its halves, up to the first that reduces the gaps sufficiently. The outer Option is None
+    /// where a differential has no solution, the inner one where every trial exceeds [`LARGEST_ANGLE`].
     fn line_search(
         &self,
         here: &Evaluation,
@@ -219,7 +219,7 @@ impl<'a> OnePose<'a> {
     }
 }
 
-/// Gap that counts as none [m].
+/// Gap up to which it counts as closed [m].
 fn tolerance(state: &State) -> f64 {
     state[0].abs().mul_add(CLOSED_GAP[1], CLOSED_GAP[0])
 }
@@ -276,7 +276,7 @@ impl Kernel for Evaluate<'_> {
         let real = here.circles(Scalar, site, &poses, per_metre);
         let mut circles = real;
         if share != 1.0 {
-            // As much higher as the ground is lower.
+            // The gap over ground scaled by s is s times that of a circle at 1 / s times the height.
             circles = circles.map(|WheelCircle { centre: [x, y, z], forward, up }| WheelCircle {
                 centre: [x, y, datum + (z - datum) / share],
                 forward: [forward[0], forward[1], forward[2] / share],

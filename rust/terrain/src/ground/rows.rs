@@ -1,4 +1,4 @@
-//! Many poses settled, in lanes or one by one.
+//! Settling of many poses, in lanes or one by one.
 
 use super::batch;
 use super::settler::{Settler, Status};
@@ -16,8 +16,9 @@ const MOST: usize = 2048;
 /// Nodes of a map per pose up to which building its pyramid of extremes is faster than settling without it.
 const WORTH_A_PYRAMID: usize = 64;
 
-/// True for steering angles of a pose that does not stand, as the motion on the ground gives them: all are NaN.
-fn has_no_answer(steering: &[f64]) -> bool {
+/// True for the steering angles of a pose without a settled pose, as the motion on the ground returns them: all are
+/// NaN.
+fn is_all_nan(steering: &[f64]) -> bool {
     !steering.is_empty() && steering.iter().all(|angle| angle.is_nan())
 }
 
@@ -36,7 +37,7 @@ pub fn settle(
     }
     let one = steering.len() == joints;
     for (k, angles) in steering.chunks_exact(joints.max(1)).enumerate() {
-        if has_no_answer(angles) && (!one || poses.len() == 1) {
+        if is_all_nan(angles) && (!one || poses.len() == 1) {
             continue;
         }
         finite("steering", angles).map_err(|error| if one { error } else { error.at_row(k) })?;
@@ -46,7 +47,7 @@ pub fn settle(
     };
     let [rows, columns] = settler.ground.shape();
     if poses.len() * WORTH_A_PYRAMID > rows * columns {
-        // It only saves time: where there is no memory for it, rims are walked without.
+        // The pyramid saves time only: without memory for it, rims are searched without it.
         match settler.ground.pyramid(workers.is_interrupted) {
             Err(error) if error.kind == ErrorKind::Interrupted => return Err(error),
             _ => (),
@@ -70,7 +71,7 @@ pub(crate) fn settle_part<'a>(
 ) {
     let padded = |k: usize| {
         let mut padded = [0.0; MAX_WHEELS];
-        if !has_no_answer(angles(k)) {
+        if !is_all_nan(angles(k)) {
             for (padded, angle) in padded.iter_mut().zip(angles(k)) {
                 *padded = *angle;
             }
@@ -79,11 +80,11 @@ pub(crate) fn settle_part<'a>(
     };
     let steered = !poses.is_empty() && !angles(0).is_empty();
     for (k, near) in batch::settle(settler, poses, &padded, steered, stands) {
-        if !has_no_answer(angles(k)) {
+        if !is_all_nan(angles(k)) {
             stands[k] = settler.settle_near(poses[k].into(), angles(k), near);
         }
     }
-    for (_, stand) in stands.iter_mut().enumerate().filter(|(k, _)| has_no_answer(angles(*k))) {
+    for (_, stand) in stands.iter_mut().enumerate().filter(|(k, _)| is_all_nan(angles(*k))) {
         *stand = Stand::nothing(Status::NotConverged);
     }
 }
@@ -97,7 +98,7 @@ impl Settler<'_> {
         Ok(self.settle_finite(pose, steering))
     }
 
-    /// The same for numbers known to be finite.
+    /// [`Self::settle`] for finite numbers.
     #[inline]
     pub fn settle_finite(&self, pose: PlanPose, steering: &[f64]) -> Stand {
         let mut stand = [Stand::nothing(Status::NotConverged)];

@@ -1,4 +1,4 @@
-//! Settling of one pose on the ground: what rounds of [`super::batch`] leave, with restarts, stops and the status of a failure.
+//! Settling of one pose that rounds of [`super::batch`] leave: restarts, stops, and the status of a failure.
 
 use super::active_set::ActiveSet;
 use super::newton::{NewtonResult, OnePose};
@@ -10,11 +10,11 @@ use super::stops::{StopCandidate, Stops};
 use crate::suspension::{MAX_FREE, MAX_STATE, PlanPose, State};
 
 impl Settler<'_> {
-    /// Settles a pose of finite numbers, from a state that may be the answer.
+    /// Settles a pose of finite numbers, from a state near which its gaps may be closed.
     pub(crate) fn settle_near(&self, pose: PlanPose, steering: &[f64], near: Option<State>) -> Stand {
         let pose = &OnePose::new(self, pose, steering);
         if self.chain.wheels().len() > self.chain.state_count() {
-            // More wheels than can touch: which ones do is a question like that of stops.
+            // More wheels than numbers of the state: the wheels in the air are found like those of joints at stops.
             let start = pose.initial_state([0.0; MAX_STATE], &ActiveSet::NONE);
             return self.standing(pose, &start, [0; MAX_FREE]);
         }
@@ -31,12 +31,12 @@ impl Settler<'_> {
                 }
                 self.standing(pose, &attempt.state, past)
             }
-            Err(reason) => self.stopped(pose, reason),
+            Err(reason) => self.with_stops(pose, reason),
         }
     }
 
-    /// Nothing stands with free joints: with stops something may.
-    fn stopped(&self, pose: &OnePose<'_>, reason: Status) -> Stand {
+    /// Settles a pose without a solution for free joints, with joints at stops if there are any; otherwise its failure.
+    fn with_stops(&self, pose: &OnePose<'_>, reason: Status) -> Stand {
         let ranges = || self.chain.joints().iter().map(|joint| joint.range);
         let ends = ranges().any(|range| range.lower.is_finite() || range.upper.is_finite());
         if !ends || !matches!(reason, Status::NotConverged | Status::TipsOver) {
@@ -46,7 +46,7 @@ impl Settler<'_> {
         self.stand(pose, &start, [0; MAX_FREE]).map_or(Stand::nothing(reason), |candidate| self.at_stop(&candidate))
     }
 
-    /// Settled with joints at these stops and more, or with wheels in the air, near a state.
+    /// Settles a pose with joints at these stops or others, or with wheels in the air, near a state.
     fn standing(&self, pose: &OnePose<'_>, near: &State, stops: Stops) -> Stand {
         match self.stand(pose, near, stops) {
             Some(candidate) => self.at_stop(&candidate),
@@ -62,15 +62,15 @@ impl Settler<'_> {
         self.settled(&candidate.attempt, candidate.stops, candidate.hold.hanging)
     }
 
-    /// Gaps closed with no joint at a stop, from several starts.
+    /// Closes the gaps with no joint at a stop, from several initial states.
     fn free(&self, pose: &OnePose<'_>) -> Result<NewtonResult, Status> {
         let mut reason = Status::NotConverged;
         for number in 0..STARTS {
-            let mut start = pose.initial_state(bent(number), &ActiveSet::NONE);
+            let mut start = pose.initial_state(start_angles(number), &ActiveSet::NONE);
             if number > 0 {
-                // Elsewhere than where the first attempt went.
+                // Away from the result of the first attempt.
                 start[0] += 0.1;
-                let free = start.iter_mut().zip(bent(number)).take(self.chain.state_count());
+                let free = start.iter_mut().zip(start_angles(number)).take(self.chain.state_count());
                 for (value, bend) in free.skip(1) {
                     *value = 0.5 * *value + bend;
                 }
@@ -83,11 +83,11 @@ impl Settler<'_> {
             }
             reason = attempt.reason(self.chain);
             if reason != Status::NotConverged && number >= 2 {
-                break; // half blind: nothing to be found by looking longer
+                break; // a part of the ground is unknown, further starts would find the same
             }
         }
         if reason == Status::NotConverged {
-            return self.grown(pose);
+            return self.settle_by_continuation(pose);
         }
         Err(reason)
     }
@@ -106,18 +106,18 @@ impl Settler<'_> {
     }
 }
 
-/// Attempts from different starts.
+/// Number of initial states.
 const STARTS: usize = 14;
 
-/// Angles of a start: level, then bent more and more, always the same.
-fn bent(number: usize) -> State {
+/// Angles of an initial state: 0, then deterministic angles of increasing size.
+fn start_angles(number: usize) -> State {
     let mut state = [0.0; MAX_STATE];
     if number == 0 {
         return state;
     }
     let size = 0.06 * number as f64;
     for (k, angle) in state.iter_mut().enumerate().skip(1) {
-        // The golden ratio's multiples, spread over -1 to 1.
+        // Multiples of the golden ratio, modulo 1, are evenly distributed.
         let spread = (0.618_033_988_749_894_9 * (7 * number + k) as f64).fract();
         *angle = size.min(0.4) * (2.0 * spread - 1.0);
     }

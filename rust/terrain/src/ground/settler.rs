@@ -1,4 +1,4 @@
-//! A chain to be put on the ground, and what comes of it.
+//! The input of settling, a chain and its ground, and the status of the result.
 
 use nalgebra::Vector3;
 
@@ -10,25 +10,25 @@ use six_wheel_numerics::simd::level::Level;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Status {
-    /// Every wheel touches that can.
+    /// Every wheel touches, or as many as the state determines.
     Settled,
-    /// A joint is at its stop, and a wheel hangs in the air for it.
+    /// A joint is at its stop, and a wheel is in the air.
     AtStop,
     /// A rim leaves the map.
     OffMap,
-    /// A rim lies over ground that is not known.
+    /// A rim is over unknown ground.
     UnknownCells,
     /// No state was found that closes the gaps.
     NotConverged,
-    /// The rover or a bogie tips over while the heights grow from 0 to those of the map.
+    /// The rover or a bogie tips over while the heights increase from 0 to those of the map.
     TipsOver,
 }
 
 impl Status {
-    /// Every status that is told, in the order of its codes.
+    /// Every reported status, in the order of their codes.
     pub const ALL: [Self; 5] = [Self::Settled, Self::AtStop, Self::OffMap, Self::UnknownCells, Self::NotConverged];
 
-    /// The name Python knows it by.
+    /// Its name in Python.
     pub fn name(self) -> &'static str {
         match self {
             Self::Settled => "settled",
@@ -39,16 +39,16 @@ impl Status {
         }
     }
 
-    /// As it is told: what tips over has not converged.
+    /// The status that is reported: a pose that tips over has not converged.
     #[inline]
-    pub fn told(self) -> Self {
+    pub fn reported(self) -> Self {
         match self {
             Self::TipsOver => Self::NotConverged,
             other => other,
         }
     }
 
-    /// Reason for which nothing stands; empty for a pose that stands.
+    /// Reason of a failure, for texts; empty for a settled pose.
     pub fn reason(self) -> &'static str {
         match self {
             Self::Settled | Self::AtStop => "",
@@ -59,28 +59,28 @@ impl Status {
         }
     }
 
-    /// True if the rover stands in the state.
+    /// True for a settled pose, with or without a joint at a stop.
     #[inline]
     pub fn stands(self) -> bool {
         matches!(self, Self::Settled | Self::AtStop)
     }
 }
 
-/// Puts a chain on the ground.
+/// Settles a chain on the ground.
 #[derive(Clone, Copy, Debug)]
 pub struct Settler<'a> {
     /// The ground.
     pub ground: &'a Terrain,
     /// The chain that stands on it.
     pub chain: &'a Chain,
-    /// Centre of the weight in the body [m]: it decides between several wheels that might hang.
+    /// Centre of mass in the body [m]: it decides which of several wheels is in the air.
     pub balance: Vector3<f64>,
     /// Instruction level for several wheels at once.
     pub level: Level,
 }
 
 impl<'a> Settler<'a> {
-    /// A chain with its weight where [`Chain::balance`] says.
+    /// A chain with its default centre of mass, [`Chain::balance`].
     #[inline]
     pub fn new(ground: &'a Terrain, chain: &'a Chain) -> Self {
         Self { ground, chain, balance: chain.balance(), level: Level::best() }

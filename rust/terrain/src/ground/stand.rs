@@ -20,7 +20,7 @@ pub struct Stand {
     pub stops: [i8; MAX_FREE],
     /// Bits of the wheels in the air.
     pub hanging: u8,
-    /// z [m], roll, pitch and the free angles [rad]; NaN where it does not stand.
+    /// z [m], roll, pitch and the free angles [rad]; NaN without a settled pose.
     pub state: State,
     /// Of every wheel.
     pub wheels: [Contact; MAX_WHEELS],
@@ -34,16 +34,16 @@ pub struct Contact {
     pub gap: f64,
     /// Contact angle: 0 straight below, positive to the front.
     pub at: Direction,
-    /// Derivatives of the ground's height by x and y there; on a crease the mix of both sides that is square to
-    /// the rim.
+    /// Derivatives of the ground's height by x and y there; on a crease the weighted mean of both sides that is
+    /// orthogonal to the rim.
     pub gradient: [f64; 2],
-    /// Contact angle of the next best contact, NaN unless its gap is the same to 1e-7 m.
+    /// Contact angle of the next best contact [rad]; NaN unless its gap is the same to 1e-7 m.
     pub next: f64,
 }
 
-/// Numbers of a contact, and of a stand.
+/// Number of numbers of a contact.
 pub const CONTACT: usize = 6;
-/// Numbers of a settled pose: its state and its contacts.
+/// Number of numbers of a settled pose: its state and its contacts.
 pub const NUMBERS: usize = MAX_STATE + CONTACT * MAX_WHEELS;
 
 impl Contact {
@@ -71,7 +71,7 @@ impl Contact {
 }
 
 impl Stand {
-    /// A pose at which nothing stands.
+    /// The result of a failure.
     pub const fn nothing(status: Status) -> Self {
         Self {
             status,
@@ -117,7 +117,7 @@ impl Stand {
         self.hanging >> wheel & 1 == 0
     }
 
-    /// The chain where it stands, by its distances from node (0, 0) of the ground; None where it does not stand.
+    /// The chain at its settled pose, relative to node (0, 0) of the ground; None without a settled pose.
     pub fn place<'a>(
         &self,
         chain: &'a Chain,
@@ -131,21 +131,21 @@ impl Stand {
         chain.place(pose.relative_to(ground.placement().origin()), &self.state, steering)
     }
 
-    /// Contact point of a wheel, on its rim, from where the chain's coordinates count [m].
+    /// Contact point of a wheel, on its rim, in the coordinates of `placed` [m].
     #[inline]
     pub fn point(&self, chain: &Chain, placed: &Placed<'_>, wheel: usize) -> Vector3<f64> {
         rim_point(chain, placed, wheel, self.wheels[wheel].at)
     }
 }
 
-/// A point of a wheel's rim, from where the chain's coordinates count [m].
+/// A point of a wheel's rim at a contact angle, in the coordinates of `placed` [m].
 pub fn rim_point(chain: &Chain, placed: &Placed<'_>, wheel: usize, at: Direction) -> Vector3<f64> {
     let frame = placed.wheel(wheel);
     frame.centre + frame.spoke(at) * chain.wheels()[wheel].radius
 }
 
-/// Derivatives of a wheel's gap by x, y and yaw, and by z, roll, pitch and the free angles, steering held. The
-/// contact angle is where the gap is least, so how it moves does not matter.
+/// Derivatives of a wheel's gap by x, y and yaw, and by z, roll, pitch and the free angles, at constant steering
+/// angles. The gap is stationary in the contact angle, so that the derivatives of that do not enter.
 pub(crate) fn gap_slopes(
     placed: &Placed<'_>,
     wheel: usize,

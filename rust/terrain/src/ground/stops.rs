@@ -1,11 +1,11 @@
-//! Joints at their stops, and which wheels then hang.
+//! Joints at their stops, and the wheels that are then in the air (hanging).
 //!
-//! At a stop a joint leaves the problem and a wheel hangs: one that the joint would lower if it could turn on. On
-//! a bogie that is the wheel ahead of its joint at the upper stop and the one behind at the lower. On a rocker, and
-//! on a body with more than three wheels and no joints, several may: those hang without which no wheel has to
-//! be pulled down. Loads for that act vertically; the weight acts in [`Chain::balance`] or where the caller
-//! says, but for one hundredth of it in the centre of every wheel, which is what turns a bogie that carries
-//! nothing.
+//! The angle of a joint at its stop is given, so that one wheel has no contact: one that the joint would lower if it
+//! could turn further. On a bogie that is the wheel ahead of its joint at the upper stop and the one behind at the
+//! lower. On a rocker, and on a body with more than three wheels and no joints, it may be one of several: the choice is
+//! one without negative loads. Loads are vertical; the weight acts in [`Chain::balance`] or the given centre of mass,
+//! except for one hundredth in the centre of every wheel, which gives a moment about the axis of a bogie without
+//! contacts.
 
 use nalgebra::Vector3;
 
@@ -22,52 +22,52 @@ use crate::suspension::Chain;
 /// Share of the weight that acts in each wheel.
 const WHEEL_WEIGHT: f64 = 0.01;
 
-/// Gap of a hanging wheel below which it is in the ground [m].
+/// A hanging wheel with a gap below this is in the ground [m].
 const IN_THE_GROUND: f64 = -1e-9;
 
-/// Loads and moments this far below 0 are 0, of the weight.
+/// Loads and moments down to this count as not negative, as shares of the weight [1, m].
 const ROUNDING: f64 = 1e-9;
 
-/// A joint this far past its stop is at it [rad].
+/// A joint that exceeds its range by up to this is inside it [rad].
 pub(crate) const AT_STOP: f64 = 1e-12;
 
 /// Stop of each joint: -1 the lower, 1 the upper, 0 none.
 pub(crate) type Stops = [i8; MAX_FREE];
 
-/// The wheels tried as hanging.
+/// The wheels that are tried as hanging.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum LiftedWheels {
-    /// Those that a joint at its stop would lower.
+    /// Wheels that a joint at its stop would lower.
     Lowered,
-    /// All, where there are several of those.
+    /// All wheels, where there are several of those.
     Any,
 }
 
-/// A way to stand with joints at stops or wheels in the air.
+/// A solution with joints at stops or wheels in the air.
 pub(crate) struct StopCandidate {
     pub attempt: NewtonResult,
     pub hold: ActiveSet,
     pub stops: Stops,
-    /// Smallest load of a wheel that touches, of the weight.
+    /// Smallest load of a touching wheel, as a share of the weight; negative: a force downwards.
     pub load: f64,
-    /// Smallest moment with which a stop holds its joint back, of the weight [m]; a negative one would have to pull.
+    /// Smallest moment of a stop on its joint over the weight [m]; negative: it would pull the joint against the stop.
     pub moment: f64,
-    /// True if other wheels might hang at these stops, so that loads have to decide.
+    /// True if other wheels may hang at these stops, so that loads decide.
     pub open: bool,
 }
 
 impl StopCandidate {
-    /// True if no stop has to pull.
+    /// True if no moment is negative.
     fn holds(&self) -> bool {
         self.moment >= -ROUNDING
     }
 
-    /// True if no stop has to pull and no wheel has to be pulled down.
+    /// True if no moment and no load is negative.
     fn stands(&self) -> bool {
         self.holds() && self.load >= -ROUNDING
     }
 
-    /// Less than that of another one if the body is less tilted: minus the cosine of its tilt.
+    /// Minus the cosine of the tilt of the body, which increases with the tilt.
     fn tilt(&self) -> f64 {
         -(self.attempt.state[1].cos() * self.attempt.state[2].cos())
     }
@@ -79,7 +79,7 @@ impl StopCandidate {
 }
 
 impl Settler<'_> {
-    /// Stops that the joints are past.
+    /// Stops that the joints exceed.
     pub(crate) fn past(&self, state: &State) -> Stops {
         let mut stops = [0; MAX_FREE];
         for (k, joint) in self.chain.joints().iter().enumerate() {
@@ -95,20 +95,20 @@ impl Settler<'_> {
         stops
     }
 
-    /// Stands with as few joints at stops, and so as few wheels in the air, as it takes, near a state; among several such ways
-    /// with the least tilt.
+    /// The solution near a state with the fewest joints at stops, and so the fewest wheels in the air; among several of
+    /// these the one with the least tilt.
     pub(crate) fn stand(&self, pose: &OnePose<'_>, near: &State, first: Stops) -> Option<StopCandidate> {
         let mut found: Option<StopCandidate> = None;
-        // Wheels in the air without a joint at its stop only where the loads refuse all states without them.
+        // Other wheels in the air are tried only if loads are negative in all solutions with the lowered ones.
         for whose in [LiftedWheels::Lowered, LiftedWheels::Any] {
             let is_open = |found: &Option<StopCandidate>| found.as_ref().is_none_or(|found| found.open);
             if !is_open(&found) {
                 break;
             }
             let mut tried = Vec::with_capacity(27); // three to the power of three
-            let mut waiting = if whose == LiftedWheels::Lowered { parts(first) } else { self.all_stops() };
+            let mut waiting = if whose == LiftedWheels::Lowered { subsets(first) } else { self.all_stops() };
             for number in 0..=MAX_FREE {
-                // A joint may be past its stop only for another one that is: some of them first, then others.
+                // A joint may exceed its range only because another one does: first subsets of these, then other stops.
                 for elsewhere in [false, true] {
                     if elsewhere && number > 0 && is_open(&found) {
                         waiting.extend(self.all_stops());
@@ -138,8 +138,8 @@ impl Settler<'_> {
         found
     }
 
-    /// The way with these stops that stands, and whose least load is largest. Stops that its candidates go past are put on the
-    /// list of those to try.
+    /// The best solution with these stops: without negative moments and loads if there is one, with the largest least
+    /// load. Stops that its candidates exceed are added to those that are to be tried.
     fn best_of(
         &self,
         pose: &OnePose<'_>,
@@ -189,7 +189,7 @@ impl Settler<'_> {
         best
     }
 
-    /// Gaps closed from a state nearby, or from a fresh guess.
+    /// Closes the gaps from a state nearby, or from a new initial state.
     fn attempt(&self, pose: &OnePose<'_>, near: &State, hold: &ActiveSet) -> Option<NewtonResult> {
         let attempt = pose.close(*near, hold)?;
         if attempt.closed {
@@ -199,8 +199,8 @@ impl Settler<'_> {
         attempt.closed.then_some(attempt)
     }
 
-    /// Bits of the wheels that may hang at these stops: all if there are none, otherwise those that one of the
-    /// joints would lower if it could turn on.
+    /// Bits of the wheels that may hang at these stops: all without stops, otherwise those that one of the joints would
+    /// lower if it could turn further.
     fn lowered(&self, pose: &OnePose<'_>, near: &State, stops: &Stops) -> u32 {
         let wheels = self.chain.wheels().len();
         let all = (1 << wheels) - 1;
@@ -221,14 +221,14 @@ impl Settler<'_> {
         lowered
     }
 
-    /// The smallest load of a wheel that touches, of the weight, and the smallest moment of a stop [m]; minus
-    /// infinity where statics does not say.
+    /// The smallest load of a touching wheel, as a share of the weight, and the smallest moment of a stop over the
+    /// weight [m]; minus infinity where the equations do not determine them.
     fn least_loads(&self, pose: &OnePose<'_>, attempt: &NewtonResult, hold: &ActiveSet, stops: &Stops) -> [f64; 2] {
         let (count, wheels) = (self.chain.state_count(), self.chain.wheels().len());
         let Some(placed) = &pose.place(&attempt.state) else {
             return [f64::NEG_INFINITY; 2];
         };
-        // The work of the loads on every way to move is that of the weight.
+        // Virtual work: for every number of the state, the work of the loads is that of the weight.
         let body = placed.origin + placed.rotation * self.balance;
         let weight = self.weight(placed, placed.body_slopes(body));
         let mut lifts = [[0.0; MAX_STATE]; MAX_WHEELS];
@@ -277,7 +277,7 @@ impl Settler<'_> {
         weight
     }
 
-    /// Every combination of stops there is.
+    /// Every combination of stops.
     fn all_stops(&self) -> Vec<Stops> {
         let joints = self.chain.joints();
         (0..27)
@@ -297,7 +297,7 @@ impl Settler<'_> {
 }
 
 /// All subsets of these stops; the empty one only if there are none.
-fn parts(stops: Stops) -> Vec<Stops> {
+fn subsets(stops: Stops) -> Vec<Stops> {
     (0..1_u32 << MAX_FREE)
         .map(|kept| std::array::from_fn(|k| if kept >> k & 1 == 1 { stops[k] } else { 0 }))
         .filter(|part| held(part) > 0 || held(&stops) == 0)

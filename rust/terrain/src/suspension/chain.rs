@@ -1,11 +1,11 @@
 //! A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
 //!
-//! A part turns by a free angle, which the ground decides (a rocker, a bogie, an axle), or by a steering angle, which is
-//! commanded. Every vehicle here is such a list ([`Chain::rocker_bogie`], [`Chain::triple_bogie`], [`Chain::pivoting_axles`],
-//! [`Chain::rigid`]); code that works on chains serves all of them.
+//! A part has a free angle, which the ground determines (a rocker, a bogie, an axle), or a steering angle, which is
+//! commanded. Every vehicle here is such a list ([`Chain::rocker_bogie`], [`Chain::triple_bogie`],
+//! [`Chain::pivoting_axles`], [`Chain::rigid`]).
 //!
-//! The body stands at `(x, y, z)` with rotation `Rz(yaw) Ry(pitch) Rx(roll)`: pitch > 0 nose down, roll > 0 right
-//! side down. Free angles count about the axis of their part.
+//! The body is at `(x, y, z)` with the rotation `Rz(yaw) Ry(pitch) Rx(roll)`: pitch > 0 nose down, roll > 0 right side
+//! down. Free angles are about the axis of their part.
 
 use std::borrow::Cow;
 
@@ -24,7 +24,7 @@ pub const MAX_WHEELS: usize = 6;
 /// Largest number of parts: two rockers, two bogies, six steering knuckles.
 pub const MAX_PARTS: usize = 10;
 
-/// Numbers that the ground decides: z, roll, pitch and the free angles.
+/// Numbers that the ground determines: z, roll, pitch and the free angles.
 pub const MAX_STATE: usize = 3 + MAX_FREE;
 
 /// The angle that turns a part.
@@ -83,11 +83,11 @@ pub struct Chain {
     joints: Vec<Joint>,
     steering: Vec<SteeringRange>,
     balance: Vector3<f64>,
-    /// Of every link: the axis of its parent that is its own, if one is.
+    /// For every link the index of the parent's axis (x 0, y 1, z 2) that is its own axis, if one is.
     main_axes: Vec<Option<usize>>,
-    /// All links, and those but knuckles.
+    /// All links, and all links without knuckles.
     placed: [Vec<usize>; 2],
-    /// Of every wheel.
+    /// The mount of every wheel.
     mounts: Vec<WheelMount>,
 }
 
@@ -100,7 +100,7 @@ pub struct WheelMount {
     pub centre: [f64; 3],
     /// A point of the steering axis [m], or the centre.
     pub pivot: [f64; 3],
-    /// From there to the centre, straight ahead [m].
+    /// Vector from the pivot to the centre, straight ahead [m].
     pub offset: [f64; 3],
     /// The steering joint.
     pub steering: Option<usize>,
@@ -128,8 +128,8 @@ pub struct PlanPose {
 }
 
 impl PlanPose {
-    /// The same pose by its distances from a point [m]. Coordinates of maps may be so large that they leave a wheel's
-    /// place few digits.
+    /// The pose relative to a point [m]. Coordinates of maps may be so large that positions of wheels would have few
+    /// digits.
     #[inline]
     pub fn relative_to(self, [x, y]: [f64; 2]) -> Self {
         Self { x: self.x - x, y: self.y - y, ..self }
@@ -142,13 +142,13 @@ impl From<[f64; 3]> for PlanPose {
     }
 }
 
-/// State that the ground decides: z [m], roll, pitch and the free angles [rad], in this order; a chain with fewer
-/// angles leaves the last ones 0.
+/// State that the ground determines: z [m], roll, pitch and the free angles [rad], in this order; the last ones are 0
+/// for a chain with fewer angles.
 pub type State = [f64; MAX_STATE];
 
 impl Chain {
-    /// A chain of these parts, parents before children. Fails unless every number makes sense, and there are
-    /// as many wheels as they carry.
+    /// A chain of these parts, parents before children. Fails unless every number is inside its range and there are
+    /// enough wheels to determine the state.
     pub fn new(
         parts: Vec<ChainLink>,
         wheels: Vec<Mount>,
@@ -268,13 +268,13 @@ impl Chain {
         &self.steering
     }
 
-    /// Numbers that the ground decides: three of the body and the free angles.
+    /// Number of numbers that the ground determines: three of the body and the free angles.
     pub fn state_count(&self) -> usize {
         3 + self.joints.len()
     }
 
-    /// Default centre of the weight in the body [m]: the mean of the wheel centres, on a rocker-bogie at the height of
-    /// the rocker axis. Only what joints at their stops leave open depends on it.
+    /// Default centre of mass in the body [m]: the mean of the wheel centres, on a rocker-bogie at the height of the
+    /// rocker axis. It only decides which wheels are in the air when joints are at their stops.
     pub fn balance(&self) -> Vector3<f64> {
         self.balance
     }
@@ -304,7 +304,8 @@ impl Chain {
         self.main_axes[part]
     }
 
-    /// The links to be placed, parents before children: without steering, knuckles are part of what carries them.
+    /// The links whose poses are computed, parents before children: without steering angles, knuckles are fixed to
+    /// their parents.
     #[inline]
     pub(crate) fn placed_links(&self, is_steered: bool) -> &[usize] {
         &self.placed[usize::from(!is_steered)]
@@ -316,7 +317,7 @@ impl Chain {
         &self.mounts[wheel]
     }
 
-    /// Takes the weight to act at another height of the body [m].
+    /// Sets the height of the default centre of mass in the body [m].
     pub(super) fn set_balance_height(&mut self, height: f64) {
         self.balance.z = height;
     }

@@ -55,13 +55,13 @@ impl Bogie {
     }
 }
 
-/// Mechanism that turns the right rocker back when the left one turns forth.
+/// Mechanism that couples the rockers: their angles have opposite signs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Differential {
-    /// A gear in the body: exactly as far back.
+    /// A gear in the body: opposite angles.
     Gear,
-    /// A bar across the body, pivoted about the vertical in its middle, each end joined by a rod to a lever
-    /// upright on a rocker. At rest bar and levers are square to the rods, which lie ahead of the bar.
+    /// A bar across the body, pivoted about the vertical in its middle, each end joined by a rod to an upright lever on
+    /// a rocker. At angles 0 bar and levers are orthogonal to the rods, which are ahead of the bar.
     Bar {
         /// Middle of the bar to its ends [m].
         half_length: f64,
@@ -73,8 +73,8 @@ pub enum Differential {
 }
 
 impl Differential {
-    /// Angle of the right rocker about +y at this angle of the left one, and its derivative; None where the
-    /// linkage does not reach.
+    /// Angle of the right rocker about +y at this angle of the left one [rad], and its derivative; None where the
+    /// linkage has no solution.
     #[inline]
     pub fn right(self, left: f64) -> Option<[f64; 2]> {
         let Self::Bar { half_length: b, lever: h, rod: l } = self else {
@@ -89,7 +89,7 @@ impl Differential {
         let back = l - b * sin_bar;
         let right =
             root(2.0 * back * h, -2.0 * h * h, l * l - back * back - 2.0 * h * h - (b * (1.0 - cos_bar)).powi(2))?;
-        // Half the derivatives of the closures by the rockers and by the bar.
+        // Half the derivatives of the closures by the angles of the rockers and of the bar.
         let by = |q: f64, s: f64| {
             let x = l + h * q.sin() + s * b * sin_bar;
             let rocker = x * h * q.cos() + h * h * (1.0 - q.cos()) * q.sin();
@@ -146,7 +146,7 @@ impl JointRange {
         self == Self::default()
     }
 
-    /// Fails unless the ends are in order, with 0, the angle at which the dimensions hold, between them.
+    /// Fails unless the ends are in order and 0, the angle of the dimensions, is between them.
     pub fn check(self, argument: &'static str) -> Result<(), Error> {
         if self.lower <= 0.0 && self.upper >= 0.0 && self.lower < self.upper {
             return Ok(());
@@ -171,11 +171,11 @@ pub struct Dimensions {
     pub bogie_to_wheels: [[f64; 3]; 2],
     /// End of the rover at which the bogies are.
     pub bogie: Bogie,
-    /// Hub to ground.
+    /// Hub to ground [m].
     pub wheel_radius: f64,
     /// The steered wheels.
     pub steered: Steered,
-    /// Range of the steering angles.
+    /// Range of the steering angles [rad].
     pub steering: SteeringRange,
     /// Range of the left rocker.
     pub rocker_limit: JointRange,

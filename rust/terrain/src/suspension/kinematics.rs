@@ -16,17 +16,17 @@ use six_wheel_numerics::simd::vector::Vector;
 
 /// Angles of the joints of a chain.
 pub struct JointAngles<'a, S: Vector> {
-    /// The free angles [rad], of which a differential makes others.
+    /// The free angles [rad].
     angles: [Lanes<S>; MAX_FREE],
-    /// Sines and cosines of them.
+    /// Sines and cosines of the free angles.
     free: [Turned<S>; MAX_FREE],
-    /// Those of the steering joints; None where all are 0: links that steer and carry nothing but wheels are then left out.
+    /// Sines and cosines of the steering angles; None if all are 0: knuckles are then left out.
     steering: Option<&'a [Turned<S>; MAX_WHEELS]>,
 }
 
 #[inline_always]
 impl<'a, S: Vector> JointAngles<'a, S> {
-    /// Of free angles of [`super::lanes::LARGEST_TURN`] at most, of which the chain has so many.
+    /// From the first `count` free angles, at most [`super::lanes::LARGEST_TURN`] each.
     pub fn new(
         simd: S,
         angles: [Lanes<S>; MAX_FREE],
@@ -40,7 +40,7 @@ impl<'a, S: Vector> JointAngles<'a, S> {
         Self { angles, free, steering }
     }
 
-    /// With sines and cosines made elsewhere.
+    /// From given sines and cosines.
     pub(super) fn from_directions(
         angles: [Lanes<S>; MAX_FREE],
         free: [Turned<S>; MAX_FREE],
@@ -68,8 +68,8 @@ impl<'a, S: Vector> JointAngles<'a, S> {
     }
 }
 
-/// Sine and cosine of the angle that a differential gives the other side, and its derivative by the angle of this one; NaN where
-/// it does not reach.
+/// Sine and cosine of the angle of the right rocker by a differential, and its derivative by the angle of the left one;
+/// NaN where the linkage has no solution.
 #[inline(always)]
 fn across<S: Vector>(simd: S, differential: Differential, left: Lanes<S>, turned: Turned<S>) -> (Turned<S>, Lanes<S>) {
     if differential == Differential::Gear {
@@ -102,7 +102,7 @@ pub struct LinkPoses<'a, S: Vector, P> {
     is_steered: bool,
     pub(crate) body: P,
     pub(crate) links: [P; MAX_PARTS],
-    /// True where every differential reaches.
+    /// True where every differential has a solution.
     pub reaches: Mask<S>,
 }
 
@@ -114,13 +114,13 @@ impl<'a, S: Vector, P: LinkPose<S>> LinkPoses<'a, S, P> {
         Self { chain, is_steered: false, body, links: [body; MAX_PARTS], reaches: Mask::splat(simd, true) }
     }
 
-    /// Places the links at these angles.
+    /// Computes the poses of the links at these angles.
     pub fn place(&mut self, simd: S, angles: &JointAngles<'_, S>) {
         self.is_steered = angles.steering.is_some();
         self.reaches = Mask::splat(simd, true);
         for &k in self.chain.placed_links(self.is_steered) {
             let link = &self.chain.parts()[k];
-            // Written where it stays: a pose is as large as many registers.
+            // Written in place: a pose has the size of many registers.
             let (before, rest) = self.links.split_at_mut(k);
             let carrier = link.parent.map_or(&self.body, |parent| &before[parent]);
             let hinge = angles.hinge(simd, link, self.chain.main_axis(k));
@@ -147,7 +147,7 @@ impl<'a, S: Vector, P: LinkPose<S>> LinkPoses<'a, S, P> {
         self.link(mount.link).point(splat(simd, mount.centre))
     }
 
-    /// The centre of a wheel turned like this about its steering axis, from its centre straight ahead [m].
+    /// The centre of a wheel at this sine and cosine of its steering angle, from its centre straight ahead [m].
     pub fn steered_centre(&self, simd: S, wheel: usize, turned: Turned<S>, straight: Vectors<S>) -> Vectors<S> {
         let mount = self.chain.mount(wheel);
         if !mount.is_offset() {
@@ -172,7 +172,7 @@ impl<'a, S: Vector, P: LinkPose<S>> LinkPoses<'a, S, P> {
 
 #[inline_always]
 impl<S: Vector> LinkPoses<'_, S, PlanarLink<S>> {
-    /// Moves the links at these rates of the free angles [rad/s].
+    /// Sets the velocities of the links by these rates of the free angles [rad/s].
     pub fn set_rates(&mut self, rates: &[Lanes<S>; MAX_FREE]) {
         for &k in self.chain.placed_links(false) {
             let link = &self.chain.parts()[k];
@@ -188,14 +188,14 @@ impl<S: Vector> LinkPoses<'_, S, PlanarLink<S>> {
 /// A chain in the world.
 pub(crate) struct WorldPoses<'a, S: Vector> {
     pub links: LinkPoses<'a, S, MatrixPose<S>>,
-    /// Axes about which roll and pitch turn the body.
+    /// Axes of roll and pitch.
     pub roll_axis: Vectors<S>,
     pub pitch_axis: Vectors<S>,
 }
 
 #[inline_always]
 impl<'a, S: Vector> WorldPoses<'a, S> {
-    /// Places a chain whose body is turned by `Rz(yaw) Ry(pitch) Rx(roll)`.
+    /// Computes the poses of a chain whose body has the rotation `Rz(yaw) Ry(pitch) Rx(roll)`.
     pub fn new(
         simd: S,
         chain: &'a Chain,

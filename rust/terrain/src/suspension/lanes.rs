@@ -13,7 +13,7 @@ pub type Turned<S> = (Lanes<S>, Lanes<S>);
 /// Lanes of the widest level.
 pub const MOST: usize = 8;
 
-/// A number of as many rovers as there are lanes at most.
+/// One number of up to [`MOST`] rovers.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct Column(pub [f64; MOST]);
@@ -23,7 +23,7 @@ impl Column {
     /// All zero.
     pub const ZERO: Self = Self([0.0; MOST]);
 
-    /// The number of as many rovers as there are lanes.
+    /// The numbers of the first rovers, one per lane.
     pub fn load<S: Simd>(&self, simd: S) -> Lanes<S> {
         Lanes::load(simd, S::as_simd_f64s(&self.0[..S::F64_LANES]).0, 0)
     }
@@ -36,7 +36,7 @@ impl Column {
     }
 }
 
-/// Angles [rad] beyond which a lane is left to one pose at a time: a joint that has turned a hundred times.
+/// Largest angle of poses in lanes [rad]: about a hundred turns. Poses with larger ones are computed one at a time.
 pub const LARGEST_TURN: f64 = 600.0;
 
 /// The same number in every lane.
@@ -52,7 +52,7 @@ pub fn splat<S: Simd>(simd: S, vector: [f64; 3]) -> Vectors<S> {
     [all(simd, x), all(simd, y), all(simd, z)]
 }
 
-/// A vector turned about axis `K` by an angle: `Rx(angle) v`, `Ry(angle) v` or `Rz(angle) v`.
+/// A vector rotated about axis `K` by an angle: `Rx(angle) v`, `Ry(angle) v` or `Rz(angle) v`.
 #[inline(always)]
 pub fn turn_about<const K: usize, S: Simd>((sin, cos): Turned<S>, vector: Vectors<S>) -> Vectors<S> {
     let (first, second) = ((K + 1) % 3, (K + 2) % 3);
@@ -62,7 +62,7 @@ pub fn turn_about<const K: usize, S: Simd>((sin, cos): Turned<S>, vector: Vector
     turned
 }
 
-/// A vector in axes that are turned like this about the upward one.
+/// A vector in axes that are rotated by this angle about z: `Rz(-angle) v`.
 #[inline(always)]
 pub fn from_turned<S: Simd>((sin, cos): Turned<S>, vector: Vectors<S>) -> Vectors<S> {
     turn_about::<2, S>((-sin, cos), vector)

@@ -1,4 +1,4 @@
-//! A chain in the world, at one pose: where its parts and wheels are, and how points of them move.
+//! A chain in the world, at one pose: frames of its parts and wheels, and derivatives of their points.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -11,16 +11,16 @@ use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
 
 impl Chain {
-    /// Puts the chain where a pose, a state and steering angles (all 0 if there are none) say. None where a
-    /// differential does not reach.
+    /// The chain at a pose, a state and steering angles (0 if there are none). None where a differential has no
+    /// solution.
     #[inline]
     pub fn place(&self, pose: PlanPose, state: &State, steering: &[f64]) -> Option<Placed<'_>> {
-        let mut placed = self.nowhere();
+        let mut placed = self.unplaced();
         placed.put(pose, state, steering).map(|()| placed)
     }
 
-    /// Room for the chain in the world.
-    pub fn nowhere(&self) -> Placed<'_> {
+    /// Memory for the chain in the world, before [`Placed::put`].
+    pub fn unplaced(&self) -> Placed<'_> {
         Placed {
             chain: self,
             pose: PlanPose { x: 0.0, y: 0.0, yaw: 0.0 },
@@ -35,7 +35,7 @@ impl Chain {
     }
 }
 
-/// A part where its pose, the state and the steering put it, in world axes.
+/// The pose of a part in world axes.
 #[derive(Clone, Copy, Debug)]
 struct PlacedPart {
     rotation: Matrix3<f64>,
@@ -54,9 +54,9 @@ pub struct Placed<'a> {
     pub origin: Vector3<f64>,
     /// `world_from_body`.
     pub rotation: Matrix3<f64>,
-    /// About which roll turns the body.
+    /// Axis of roll.
     pub roll_axis: Vector3<f64>,
-    /// About which pitch turns it.
+    /// Axis of pitch.
     pub pitch_axis: Vector3<f64>,
     parts: [PlacedPart; MAX_PARTS],
 }
@@ -92,7 +92,7 @@ impl WheelFrame {
 pub type PointSlopes = [Vector3<f64>; 3 + MAX_STATE];
 
 impl Placed<'_> {
-    /// See [`Chain::place`].
+    /// [`Chain::place`] in this memory.
     pub fn put(&mut self, pose: PlanPose, state: &State, steering: &[f64]) -> Option<()> {
         (self.pose, self.state) = (pose, *state);
         self.origin = Vector3::new(pose.x, pose.y, state[0]);
@@ -100,7 +100,8 @@ impl Placed<'_> {
         Level::Scalar.run_any(Put { placed: self, angles })
     }
 
-    /// Steers, with the body where it is and these free angles. None where a differential does not reach.
+    /// Sets the steering angles and the free angles, with the body at its pose. None where a differential has no
+    /// solution.
     pub fn steer(&mut self, joints: &[f64], steering: &[f64]) -> Option<()> {
         let (pose, mut state) = (self.pose, self.state);
         state[3..].iter_mut().zip(joints).for_each(|(angle, joint)| *angle = *joint);
@@ -129,8 +130,8 @@ impl Placed<'_> {
         self.carrier(Some(part))
     }
 
-    /// Derivatives of a point that is fixed to a wheel's carrier, steering held: by x, y, yaw, z, roll, pitch and
-    /// the free angles.
+    /// Derivatives of a point that is fixed to a wheel's carrier by x, y, yaw, z, roll, pitch and the free angles, at
+    /// constant steering angles.
     pub fn point_slopes(&self, wheel: usize, point: Vector3<f64>) -> PointSlopes {
         let arm = point - self.origin;
         let mut slopes = [Vector3::zeros(); 3 + MAX_STATE];
@@ -178,7 +179,7 @@ impl Placed<'_> {
     }
 }
 
-/// The angles of a pose [rad]; steering angles that are not there are 0.
+/// The angles of a pose [rad]; missing steering angles are 0.
 struct Angles<'a> {
     yaw: f64,
     state: &'a State,

@@ -1,4 +1,4 @@
-//! The Denavit-Hartenberg table that dimensions make, and the frames of its rows.
+//! The Denavit-Hartenberg table of dimensions, and the frames of its rows.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -23,7 +23,7 @@ const A1: usize = 9;
 const MOUNTS: [&str; 6] = ["S1", "S2", "S3", "S4", "S5", "S6"];
 const AXLES: [&str; 6] = ["A1", "A2", "A3", "A4", "A5", "A6"];
 
-// Indices of joints, with the sense in which they turn a frame.
+// Indices of joints, with the sign of their angle in a row.
 const RHO: Turn = Some((0, 1.0));
 const MINUS_RHO: Turn = Some((0, -1.0));
 const BETA_1: Turn = Some((1, 1.0));
@@ -31,7 +31,7 @@ const BETA_2: Turn = Some((2, 1.0));
 /// Index of the first steering joint.
 pub(super) const FIRST_PSI: usize = 3;
 
-// The angles alpha of the chain: exactly a quarter turn down, none, a quarter turn up.
+// The angles alpha of the chain: a quarter turn down, 0, a quarter turn up, exactly.
 const DOWN: Direction = Direction { sin: -1.0, cos: 0.0 };
 const LEVEL: Direction = Direction { sin: 0.0, cos: 1.0 };
 const UP: Direction = Direction { sin: 1.0, cos: 0.0 };
@@ -96,7 +96,7 @@ impl Dimensions {
 /// `rover_from_frame`: rotation, and origin [m].
 pub type Frame = (Matrix3<f64>, Vector3<f64>);
 
-/// All frames of a table where its chain is placed with the body at the origin. They are fixed to links and wheels of the chain;
+/// All frames of a table for its chain with the body at the origin. They are fixed to links and wheels of the chain;
 /// each has its z axis along the joint of the next.
 pub(super) fn frames(links: &[Link; FRAMES], chain: &Chain, placed: &Placed<'_>) -> [Frame; FRAMES] {
     let down = Matrix3::from_columns(&[Vector3::x(), -Vector3::z(), Vector3::y()]);

@@ -26,7 +26,7 @@ pub struct TripleBogie {
     pub rear_pivot: [f64; 3],
     /// That axis to the left rear wheel.
     pub rear_to_wheel: [f64; 3],
-    /// Hub to ground.
+    /// Hub to ground [m].
     pub wheel_radius: f64,
     /// True for the pairs that steer, from the front.
     pub steered: [bool; 3],
@@ -76,7 +76,7 @@ impl Chain {
             vec![joint("rho", of.rocker_limit), joint("beta_1", of.bogie_limit), joint("beta_2", of.bogie_limit)];
         let steering = vec![of.steering; of.steered.wheels().len()];
         let mut chain = Self::new(parts, wheels, joints, steering)?;
-        // The body hangs in the rocker axis.
+        // The centre of mass is at the height of the rocker axis.
         chain.set_balance_height(of.rocker_pivot[2]);
         Ok(chain)
     }

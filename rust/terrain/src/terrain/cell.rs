@@ -1,6 +1,7 @@
 //! A cell of a grid of heights.
 
-/// The corners of a cell: `height = h00 + b a + c b' + d a b'` with `a, b'` from 0 to 1 along columns and rows.
+/// A cell with bilinear heights: `height = h00 + along a + across b + twist a b`, with a and b from 0 to 1 along
+/// columns and rows.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell {
     /// Height of the corner with the lowest column and row [m].
@@ -26,7 +27,7 @@ impl Cell {
         [self.along + self.twist * b, self.across + self.twist * a]
     }
 
-    /// Height of the highest corner, which no point of the cell is above [m].
+    /// Height of the highest corner, the largest height of the cell [m].
     #[inline]
     pub fn highest(&self) -> f64 {
         let opposite = self.along + self.across + self.twist;
@@ -36,7 +37,7 @@ impl Cell {
     /// True if all four corners are known.
     #[inline]
     pub fn is_known(&self) -> bool {
-        // NaN in any of the corners is NaN in the twist, and heights are finite otherwise.
+        // A NaN in any corner makes the twist NaN.
         !self.twist.is_nan()
     }
 }

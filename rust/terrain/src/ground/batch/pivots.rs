@@ -8,11 +8,11 @@ use six_wheel_numerics::simd::vector::Vector;
 /// The linear system of Newton's step: for every wheel a row `d gap / d state`, and the gap on the right-hand side [m].
 pub(crate) type Rows<S> = [([Lanes<S>; MAX_STATE], Lanes<S>); MAX_WHEELS];
 
-/// Pivots below this are 0: the system is singular.
+/// A system with a pivot below this is singular.
 pub(crate) const SMALLEST_PIVOT: f64 = 1e-10;
 
-/// The columns of the system in the order of elimination, each with the bits of the wheels it is not 0 for. Wheels in the air
-/// have no row, joints that are held no column.
+/// The columns of the system in the order of elimination, each with the bits of the wheels in whose rows it is not 0.
+/// Wheels in the air have no row, held joints no column.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PivotOrder {
     /// Bits of the wheels that touch.
@@ -21,12 +21,12 @@ pub(crate) struct PivotOrder {
     wheels: usize,
     columns: [(usize, u32); MAX_STATE],
     count: usize,
-    /// True if there are as many wheels that touch as columns, and each column has one of its own.
+    /// True if there are as many touching wheels as columns, and every column can be given a wheel of its own.
     pub is_square: bool,
 }
 
 impl PivotOrder {
-    /// Equations of the wheels of a chain that touch, for the angles that are free.
+    /// Equations of the touching wheels of a chain, for the angles that are not held.
     pub fn new(chain: &Chain, hold: &ActiveSet) -> Self {
         let wheels = chain.wheels().len();
         let touching = ((1_u32 << wheels) - 1) & !hold.hanging;
@@ -48,7 +48,7 @@ impl PivotOrder {
         order
     }
 
-    /// The numbers of the state that may change, each once.
+    /// Indices of the numbers of the state that may change, with the bits of their wheels.
     #[inline(always)]
     pub fn columns(&self) -> &[(usize, u32)] {
         &self.columns[..self.count]
@@ -61,16 +61,16 @@ impl PivotOrder {
     }
 }
 
-/// Solves by elimination with row exchanges, lane by lane: the solution, 0 for numbers that are held, and the smallest pivot.
-/// The numbers are not finite, or huge, in lanes whose system is singular. The order has to be square.
+/// Solves by elimination with row exchanges in every lane: the solution, 0 for held numbers, and the smallest pivot. In
+/// lanes with a singular system the solution is huge or not finite. The order has to be square.
 #[inline(always)]
 pub(crate) fn solve<S: Vector>(simd: S, order: &PivotOrder, rows: &mut Rows<S>) -> ([Lanes<S>; MAX_STATE], Lanes<S>) {
     let mut left = order.touching;
     let mut pivots = [0; MAX_STATE];
     let mut smallest = Lanes::splat(simd, f64::INFINITY);
     for (step, (column, wheels)) in order.columns().iter().enumerate() {
-        // Earlier columns are 0 or gone in all rows that are left; theirs filled no place that was 0 in this one
-        // unless that is full anyway.
+        // Earlier columns are eliminated from the remaining rows. By the order of the columns, the elimination makes no
+        // entry of this column other than 0 that was 0 before.
         let those = left & wheels;
         let pivot = those.trailing_zeros() as usize % MAX_WHEELS;
         pivots[step] = pivot;

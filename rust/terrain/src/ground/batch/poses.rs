@@ -1,4 +1,4 @@
-//! Numbers of the poses that are settled together, and the way from and to registers.
+//! Numbers of the poses that are settled together, and their loads and stores.
 
 use super::pivots::PivotOrder;
 use super::scan::{Site, StateLanes};
@@ -12,10 +12,10 @@ use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Nearest and farthest that a short look goes beyond the last contact [rad].
+/// Least and largest half range of a search near the last contact [rad].
 pub(super) const LOOK: [f64; 2] = [0.02, 0.3];
 
-/// Poses that are worked on together: their numbers stay in the second-level cache.
+/// Poses that are settled together: their numbers stay in the second-level cache.
 pub(super) const CHUNK: usize = 512;
 
 /// Rounds after which a pose is left to [`Settler::settle_near`].
@@ -24,13 +24,14 @@ pub(super) const ROUNDS: u8 = 24;
 /// State of the solution for a pose.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum SolveState {
-    /// Not near the ground: the next search begins at the lowest of some points.
+    /// Far from the ground: the next search is about the lowest of some points of the rim.
     Far,
-    /// The next search goes along whole rims, as far as they may touch.
+    /// The next search is along the parts of the lower halves of the rims that may touch.
     Whole,
-    /// The gaps are closed; the upper halves of the rims are still to be searched.
+    /// The gaps are closed; the next search includes the upper halves of the rims.
     Both,
-    /// Nearly settled, and no other contact is near.
+    /// Nearly settled, and whole rims have been searched without another contact: the next search, near the contacts,
+    /// is the last.
     Sure,
     /// The next search is near the last contacts.
     Short,
@@ -59,19 +60,19 @@ pub(super) mod column {
     pub const COS: usize = 3;
     /// Largest gap of the last round [m].
     pub const WORST: usize = 4;
-    /// Share of the step that is taken.
+    /// Damping factor of the last step.
     pub const SHARE: usize = 5;
-    /// Range of the next short look to either side of the last contacts [rad].
+    /// Half range of the next search near the last contacts [rad].
     pub const LOOK: usize = 6;
     pub const STATE: usize = 7;
     /// Sine and cosine of the contact angle of every wheel.
     pub const CONTACT: usize = STATE + MAX_STATE;
-    /// Of every steering angle.
+    /// Sine and cosine of every steering angle.
     pub const STEERING: usize = CONTACT + 2 * MAX_WHEELS;
     pub const COUNT: usize = STEERING + 2 * MAX_WHEELS;
 }
 
-/// So many poses on their way.
+/// `N` poses that are being settled.
 pub(super) struct PoseBatch<const N: usize> {
     pub columns: [[f64; N]; column::COUNT],
     pub rounds: [u8; N],
@@ -79,15 +80,15 @@ pub(super) struct PoseBatch<const N: usize> {
 }
 
 impl<const N: usize> PoseBatch<N> {
-    /// Poses on level ground that they do not touch, straight ahead.
+    /// Poses before [`SettleRange::begin`].
     pub const EMPTY: Self = Self { columns: [[0.0; N]; column::COUNT], rounds: [0; N], states: [SolveState::Far; N] };
 }
 
-/// Number of rounds of a pose whose gaps are closed: nothing else touches, or something else may.
+/// Values of `rounds` for a pose whose gaps are closed: no other contact is possible, or one may be.
 pub(super) const DONE: u8 = u8::MAX;
 pub(super) const LEFT: u8 = DONE - 1;
 
-/// A row for [`Settler::settle_near`], and where its gaps are closed if nothing else touches there.
+/// A row for [`Settler::settle_near`], and the state in which its gaps are closed, if one was found.
 pub(crate) type Left = (usize, Option<State>);
 
 /// Poses that one thread settles.
@@ -124,7 +125,7 @@ pub(super) fn scatter<S: Vector, const N: usize>(column: &mut [f64; N], rows: &[
 /// A pose in the axes of the grid.
 #[derive(Clone, Copy)]
 pub(crate) struct PoseOnGrid {
-    /// From node (0, 0) [m].
+    /// Position relative to node (0, 0) [m].
     pub origin: [f64; 2],
     pub heading: Direction,
 }
@@ -146,7 +147,7 @@ impl SettleRange<'_, '_> {
         Site { chain: self.settler.chain, ground: self.settler.ground, order: self.order }
     }
 
-    /// Puts poses at the start of their way.
+    /// Writes the columns of poses before their first round.
     pub(super) fn begin<const N: usize>(&self, batch: &mut PoseBatch<N>, first: usize, count: usize) {
         for row in 0..count {
             let PoseOnGrid { origin, heading } = PoseOnGrid::new(self.settler.ground, self.poses[first + row].into());

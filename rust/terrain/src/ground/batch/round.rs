@@ -14,31 +14,31 @@ use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Largest turn of a step, and largest angle on the way [rad]: rounds take no step back, so both are less than those of the line
-/// search.
+/// Largest change of an angle in a step, and largest angle [rad]: rounds have no line search, so both are less than
+/// those of [`crate::ground::newton`].
 const LARGEST_TURN: f64 = 0.25;
 const LARGEST_ANGLE: f64 = 1.3;
 
-/// Gap below which whole rims are looked at once more [m].
+/// Largest gap up to which whole rims are searched again [m].
 const NEARLY: f64 = 2e-6;
 
-/// Turn of a step above which they are [rad].
+/// Change of an angle in a step above which the next search is about sampled points [rad].
 const FAR_AWAY: f64 = 0.06;
 
-/// A way shorter than this share of [`MARGIN`] brings nothing else to the ground, on slopes up to 9.
+/// A displacement below this share of [`MARGIN`] makes no other contact, on slopes up to 9.
 const SHORT: f64 = 0.1;
 
-/// Shorter arms than this have the points of a rim [m]: from a turn to a way.
+/// Upper bound of the distance of a rim's point from the axes of rotation [m]: from an angle to a displacement.
 const ARM: f64 = 3.0;
 
-/// Newton's step, as far as it is taken.
+/// Newton's step, damped.
 struct NewtonStep<S: Vector> {
     /// The state after it.
     state: [Lanes<S>; MAX_STATE],
-    /// Share of the whole step that is taken, and its largest turn [rad].
+    /// Damping factor of the step, and its largest change of an angle [rad].
     share: Lanes<S>,
     turn: Lanes<S>,
-    /// True where the gaps are closed, where the step is a number, and where nothing else can come to the ground on the way.
+    /// True where the gaps are closed, where the step is finite, and where it is too short for another contact.
     is_closed: Mask<S>,
     is_finite: Mask<S>,
     is_short: Mask<S>,
@@ -78,7 +78,8 @@ impl SettleRange<'_, '_> {
         }
     }
 
-    /// The step, damped: half of the last factor where gaps have grown, twice as much elsewhere.
+    /// The step with a damping factor: half the last one where the largest gap has increased, otherwise twice the last
+    /// one.
     fn step<S: Vector, const N: usize>(
         &self,
         simd: S,
@@ -114,13 +115,14 @@ impl SettleRange<'_, '_> {
             share,
             turn: turn * scale,
             is_closed: scan.worst.le(here.state[0].abs().mul_add(relative, absolute)),
-            // Also false where a number is not.
+            // False for NaN.
             is_finite: zero.le(way) & way.lt(Lanes::splat(simd, FAR)),
             is_short: way.lt(Lanes::splat(simd, SHORT * MARGIN)),
         }
     }
 
-    /// Puts every pose in its next state. Returns 1 for the poses that take their step, and true if one has settled.
+    /// Sets the next state of the solution for every pose. Returns 1 for the poses that take their step, and true if
+    /// one has settled.
     fn next_states<S: Vector, const N: usize>(
         &self,
         batch: &mut PoseBatch<N>,
@@ -177,7 +179,7 @@ impl SettleRange<'_, '_> {
         (goes_on, settles)
     }
 
-    /// Writes lanes that have just settled; those with a joint past its stop, and those that something else may hold, are left.
+    /// Writes lanes that have settled; lanes with a joint past its stop or another possible contact are left.
     fn write_settled<S: Vector, const N: usize>(
         &mut self,
         batch: &PoseBatch<N>,

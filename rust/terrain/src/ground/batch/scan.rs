@@ -1,7 +1,7 @@
-//! The wheels of a chain over the ground at given states: gaps, what else is near, and the system of Newton's step.
+//! The wheels of a chain over the ground at given states: gaps, other near minima, and the system of Newton's step.
 //!
 //! A pose in every lane, whose wheels are searched one after another ([`WheelByWheel`]), or one pose, whose wheels are
-//! searched together, a wheel in every lane ([`AllWheels`]). Both go through the same operations, so both give the same bits.
+//! searched together, a wheel in every lane ([`AllWheels`]). Both take the same operations, so both give the same bits.
 
 use pulp::Scalar;
 
@@ -16,7 +16,7 @@ use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::direction;
 use six_wheel_numerics::simd::vector::Vector;
 
-/// [`RimScan::clear`] where the upper halves were left out and may matter.
+/// [`RimScan::clear`] where the upper halves were not searched and may have a lower gap.
 pub(crate) const UPPER: f64 = -1.0;
 
 /// Poses in the axes of the grid [m], in lanes, with their states.
@@ -51,7 +51,7 @@ pub(crate) struct RimScan<S: Vector> {
     /// Smallest height of other minima along the rims above the gap, up to the margin of the search [m]; below 0 if it is not
     /// known.
     pub clear: Lanes<S>,
-    /// True if every rim that is to touch has a contact there, and every differential reaches.
+    /// True if every rim that is to touch has a contact, and every differential has a solution.
     pub touches: Mask<S>,
 }
 
@@ -74,7 +74,7 @@ impl Site<'_> {
 
 /// Search of the rims of all wheels.
 pub(crate) trait WheelSearch<S: Vector>: Copy {
-    /// Searches a part of the rims; `reach` is that of [`Extent::Near`] [rad].
+    /// Searches a part of the rims; `reach` is the half range of [`Extent::Near`] [rad].
     fn scan(self, simd: S, site: &Site<'_>, here: &StateLanes<S>, extent: Extent, reach: Lanes<S>) -> RimScan<S>;
 }
 

@@ -1,4 +1,4 @@
-//! Arcs of rims over one cell each: where they end, and bounds of the gap along them.
+//! Arcs of rims over one cell each: their ends, and bounds of the gap along them.
 
 use super::candidate::Candidate;
 use super::circles::{Cells, GapDerivatives, Point, RimLanes, both};
@@ -10,7 +10,7 @@ use six_wheel_numerics::simd::vector::Vector;
 /// Sine and cosine of half a radian, the longest arc.
 const LONGEST_ARC: [f64; 2] = [0.479_425_538_604_203, 0.877_582_561_890_372_8];
 
-/// The numbers of a search that stay the same all along.
+/// Constants of a search along the rims.
 pub(super) struct Search<'a, S: Vector> {
     pub simd: S,
     pub ground: &'a Terrain,
@@ -22,22 +22,22 @@ pub(super) struct Search<'a, S: Vector> {
     pub lines: [[Lanes<S>; 3]; 2],
 }
 
-/// A search on its way.
+/// State of a search along the rims, from arc to arc.
 pub(super) struct Walk<S: Vector> {
     pub found: GapMinimum<S>,
     /// Upper bound of the least gap [m].
     pub ceiling: Lanes<S>,
     pub candidates: [Candidate<S>; 2],
-    /// True in the lanes that have not come to the end.
+    /// True in the lanes that have not reached the end of the interval.
     pub active: Mask<S>,
     pub start: Point<S>,
     /// Lowest column and row of the cell ahead.
     pub cell: [Lanes<S>; 2],
     /// 1 where the rim goes towards larger columns and rows, -1 elsewhere.
     pub sign: [Lanes<S>; 2],
-    /// Sine and cosine of where the next arc has to end; a sine of 2 where it may be as long as it is.
+    /// Sine and cosine of the largest end of the next arc; a sine of 2 where there is no limit.
     pub limit: [Lanes<S>; 2],
-    /// True where the cell has been found again after rounding had led the walk astray.
+    /// True where the cell was corrected, after rounding had put the search into a wrong one.
     pub is_found_again: Mask<S>,
     /// The end of the last arc: gap, its derivative along the rim, and the slope of the ground.
     pub before: ArcEnd<S>,
@@ -58,7 +58,7 @@ pub(super) struct NextEnd<S: Vector> {
     pub splits: Mask<S>,
     /// True where a line between columns is next, not one between rows.
     pub by_x: Mask<S>,
-    /// True where the rim only turns back before that line.
+    /// True where the rim turns back before it reaches that line.
     pub turns: [Mask<S>; 2],
 }
 
@@ -86,7 +86,7 @@ impl<'a, S: Vector> Search<'a, S> {
             *size = (h * h + u * u).sqrt();
         }
         let lines = both!(k, {
-            // Along a line of the grid there is none to cross.
+            // A rim parallel to the lines of the grid crosses none.
             let across = Lanes::splat(simd, 1e-12).lt(size[k]);
             let inverse = across.select(unit / across.select(size[k], unit), zero);
             [inverse, rims.forward[k] * inverse, rims.up[k] * inverse]
@@ -98,12 +98,12 @@ impl<'a, S: Vector> Search<'a, S> {
         Lanes::splat(self.simd, value)
     }
 
-    /// The cell ahead of a point and the directions in which the rim goes from there.
+    /// The cell after a point and the signs of the rim's direction there.
     pub(super) fn cell_at(&self, at: &Point<S>) -> [[Lanes<S>; 2]; 2] {
         let (zero, unit) = (self.all(0.0), self.all(1.0));
         let cell = both!(k, (self.rims.centre[k] + at.spoke[k]).floor());
         let sign = both!(k, {
-            // At a turning point: the direction that it then takes.
+            // At a turning point: the direction after it.
             let rests = at.tangent[k].abs().le(zero);
             let way = rests.select(-at.spoke[k], at.tangent[k]);
             way.lt(zero).select(-unit, unit)
@@ -111,7 +111,8 @@ impl<'a, S: Vector> Search<'a, S> {
         [cell, sign]
     }
 
-    /// A line of the grid that a rim crosses next: sine and cosine there, and whether it only turns back before it.
+    /// The next line of the grid that a rim crosses: sine and cosine of the contact angle there; true where the rim
+    /// turns back before it.
     pub(super) fn crossing(&self, axis: usize, walk: &Walk<S>) -> (Lanes<S>, Lanes<S>, Mask<S>) {
         let (zero, one) = (self.all(0.0), self.all(1.0));
         let (sign, [inverse, p, q]) = (walk.sign[axis], self.lines[axis]);
@@ -131,7 +132,7 @@ impl<'a, S: Vector> Search<'a, S> {
         let [x, y] = both!(k, self.crossing(k, walk));
         let by_x = x.0.lt(y.0);
         let (mut sin, mut cos) = (by_x.select(x.0, y.0), by_x.select(x.1, y.1));
-        // Rounding may put a crossing before the last one.
+        // By rounding, a crossing may be before the last one.
         let back = sin.lt(start.sin);
         (sin, cos) = (back.select(start.sin, sin), back.select(start.cos, cos));
         let [half_sin, half_cos] = LONGEST_ARC.map(|value| self.all(value));
@@ -171,7 +172,7 @@ impl<'a, S: Vector> Search<'a, S> {
         let most_curvature = left.curvature.max(right.curvature) + slack;
         let bound = left.gap.min(right.gap) - most_curvature.max(zero) * eighth;
         let is_convex = zero.le(least_curvature);
-        // If the gap rises or falls all along there is nothing inside.
+        // A monotonic gap has no minimum inside.
         let bent = length * least_curvature;
         let is_steady = zero.lt(left.rise + bent) | (right.rise - bent).lt(zero);
         let may_dip = zero.lt(most_curvature) & (is_convex | !is_steady);

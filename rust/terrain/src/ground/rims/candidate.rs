@@ -5,10 +5,10 @@ use crate::terrain::Terrain;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Steps below this leave less than 1e-11 [rad]: they are of third order.
+/// After a step below this [rad] the error is below 1e-11 rad, as the method is of third order.
 const CLOSE: f64 = 1e-4;
 
-/// Steps of Chebyshev's method at most: halving alone takes an arc of half a radian to 1e-16.
+/// Largest number of steps: bisection alone reduces an arc of half a radian to 1e-16.
 const STEPS: usize = 60;
 
 /// An arc over one cell, along which the gap is convex and has its minimum inside.
@@ -16,12 +16,12 @@ const STEPS: usize = 60;
 pub(crate) struct Candidate<S: Vector> {
     /// Lower bound of the gap [m]; [`FAR`] where there is no arc.
     pub bound: Lanes<S>,
-    /// Sine and cosine of the contact angle where it begins.
+    /// Sine and cosine of the contact angle at its start.
     pub sin: Lanes<S>,
     pub cos: Lanes<S>,
     /// Length [rad].
     pub length: Lanes<S>,
-    /// Share of the length at which the gap is about least.
+    /// First estimate of the minimum, as a share of the length.
     pub share: Lanes<S>,
     /// The cell.
     pub column: Lanes<S>,
@@ -70,7 +70,7 @@ impl<S: Vector> Candidate<S> {
             let square = angle * angle;
             let sin = angle * series(simd, square, [6.0, 20.0, 42.0]);
             let cos = series(simd, square, [2.0, 12.0, 30.0, 56.0]);
-            at = turned(simd, [self.sin, self.cos], [sin, cos]);
+            at = sum_of_angles(simd, [self.sin, self.cos], [sin, cos]);
             let gap = rims.derivatives(&cell, from, &rims.point(at[0], at[1]));
             let falls = gap.rise.le(zero);
             low = falls.select(angle, low);
@@ -91,13 +91,13 @@ impl<S: Vector> Candidate<S> {
         let step = near.select(-step, zero);
         let square = step * step;
         let sin = step * series(simd, square, [6.0]);
-        let at = turned(simd, at, [sin, series(simd, square, [2.0])]);
+        let at = sum_of_angles(simd, at, [sin, series(simd, square, [2.0])]);
         let at = rims.point(at[0], at[1]);
         (at, rims.derivatives(&cell, from, &at))
     }
 }
 
-/// `1 - x / a (1 - x / b (..))`: sine over angle, and cosine, of a squared angle.
+/// `1 - x / a (1 - x / b (..))` in a squared angle x, with divisors a, b, ..: series of `sin t / t` and `cos t`.
 #[inline(always)]
 fn series<S: Vector, const N: usize>(simd: S, square: Lanes<S>, divisors: [f64; N]) -> Lanes<S> {
     let unit = Lanes::splat(simd, 1.0);
@@ -109,9 +109,9 @@ fn series<S: Vector, const N: usize>(simd: S, square: Lanes<S>, divisors: [f64; 
     sum
 }
 
-/// Sine and cosine of an angle and one that is turned on by, put back on the circle: they are off by 1e-8 at most.
+/// Sine and cosine of the sum of two angles, normalised by one Newton step: the norm of the arguments is exact to 1e-8.
 #[inline(always)]
-fn turned<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], [sin, cos]: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
+fn sum_of_angles<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], [sin, cos]: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
     let [s, c] = [s * cos + c * sin, c * cos - s * sin];
     let scale = Lanes::splat(simd, 1.5) - (s * s + c * c) * Lanes::splat(simd, 0.5);
     [s * scale, c * scale]

@@ -4,7 +4,7 @@ use crate::terrain::{Heights, Terrain};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// An expression for 0 and 1. A closure would not get the instructions of the level.
+/// An expression for the indices 0 and 1. A closure would be compiled without the instructions of the level.
 macro_rules! both {
     ($k: ident, $value: expr) => {
         [
@@ -21,7 +21,7 @@ macro_rules! both {
 }
 pub(crate) use both;
 
-/// Circles that are walked together.
+/// Circles that are searched together.
 pub(crate) const RIMS: usize = 8;
 
 /// Larger than any gap [m].
@@ -104,7 +104,7 @@ pub(crate) struct RimLanes<S: Vector> {
 pub(crate) struct Point<S: Vector> {
     pub sin: Lanes<S>,
     pub cos: Lanes<S>,
-    /// From the centre.
+    /// Vector from the centre to the point.
     pub spoke: [Lanes<S>; 3],
     /// Derivative by the contact angle.
     pub tangent: [Lanes<S>; 3],
@@ -135,7 +135,7 @@ impl<S: Vector> Point<S> {
 
 #[inline_always]
 impl<S: Vector> RimLanes<S> {
-    /// The circles from this one on, as many as there are lanes; the last of all again where there are fewer.
+    /// The circles from this one on, one per lane; lanes without one repeat the last.
     pub(crate) fn load(simd: S, circles: &[WheelCircle; RIMS], first: usize) -> Self {
         let mut columns = [[0.0; RIMS]; 9];
         for lane in 0..S::F64_LANES {
@@ -156,7 +156,7 @@ impl<S: Vector> RimLanes<S> {
         rims
     }
 
-    /// Turns the circles over: the upper halves become the lower ones.
+    /// Rotates the circles by half a turn: the upper halves become the lower ones.
     pub(crate) fn turn_over(&mut self) {
         for k in 0..3 {
             self.forward[k] = -self.forward[k];
@@ -174,7 +174,7 @@ impl<S: Vector> RimLanes<S> {
         Point { sin, cos, spoke, tangent }
     }
 
-    /// The gap over a cell whose lowest corner is so far from the centre.
+    /// The gap over a cell, with the vector `from` its lowest corner to the centre.
     pub(crate) fn derivatives(&self, cell: &Cells<S>, from: [Lanes<S>; 2], at: &Point<S>) -> GapDerivatives<S> {
         let (a, b) = (from[0] + at.spoke[0], from[1] + at.spoke[1]);
         let across = cell.twist.mul_add(a, cell.across);

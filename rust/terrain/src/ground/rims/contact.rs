@@ -1,7 +1,8 @@
 //! Contacts of the wheels of one pose with the ground: a wheel in every lane.
 //!
-//! Input: circles over a grid of heights. Output: for every circle the least vertical distance from the ground, exactly, the next
-//! best contact if it is as near, and what ground under it is not known. [`super::walk`] walks along the rims.
+//! Input: circles over a grid of heights. Output: for every circle the least vertical distance from the ground,
+//! exactly, the next best contact if it is as near, and flags of unknown ground and of the edge of the map.
+//! [`super::walk`] searches along the rims.
 
 use super::circles::{FAR, RIMS, RimLanes, WheelCircle, both, spread};
 use super::interval::{AngleInterval, GapMinimum};
@@ -10,7 +11,7 @@ use crate::terrain::Terrain;
 use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::simd::vector::Vector;
 
-/// A minimum this far above the least one is no contact [m].
+/// A minimum this much above the least one is no contact [m].
 const TIE: f64 = 1e-7;
 
 /// A local minimum of the gap along the rim.
@@ -18,10 +19,10 @@ const TIE: f64 = 1e-7;
 pub(crate) struct Minimum {
     /// Vertical distance of the rim over the ground [m].
     pub gap: f64,
-    /// Contact angle.
+    /// Sine and cosine of its contact angle.
     pub at: Direction,
-    /// Derivatives of the ground's height by columns and rows [m]; on a crease the mix of both sides that is
-    /// square to the rim.
+    /// Derivatives of the ground's height by columns and rows [m]; on a crease the weighted mean of both sides that is
+    /// orthogonal to the rim.
     pub slope: [f64; 2],
 }
 
@@ -34,7 +35,7 @@ pub(crate) struct RimContact {
     pub next: Option<Direction>,
     /// True if the projection lies over an unknown cell.
     pub unknown: bool,
-    /// True if it leaves the map.
+    /// True if the projection leaves the map.
     pub outside: bool,
 }
 
@@ -42,7 +43,7 @@ impl RimContact {
     /// No contact.
     pub(crate) const NOTHING: Self = Self { least: None, next: None, unknown: false, outside: false };
 
-    /// The contact of one half of the rim with that of the other half taken in.
+    /// The contact of the whole rim from those of its halves.
     fn joined(self, other: Self) -> Self {
         let (unknown, outside) = (self.unknown | other.unknown, self.outside | other.outside);
         let least = |half: &Self| half.least.map_or(f64::INFINITY, |least| least.gap);
@@ -52,7 +53,7 @@ impl RimContact {
         Self { least: low.least, next, unknown, outside }
     }
 
-    /// The same of the circle that was turned over.
+    /// The contact after a rotation of the circle by half a turn.
     fn turned_over(mut self) -> Self {
         let turned = |at: Direction| Direction { sin: -at.sin, cos: -at.cos };
         if let Some(least) = &mut self.least {
@@ -66,9 +67,9 @@ impl RimContact {
 /// Part of the rim to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RimSegment {
-    /// The half with contact angles up to a quarter turn: all that ordinary ground can touch.
+    /// The half with contact angles up to a quarter turn.
     Lower,
-    /// The lower half, and the upper one if the ground beside it may be that high, or is not known.
+    /// The lower half, and the upper one if the ground around it may be that high, or is unknown.
     Whole,
 }
 
@@ -132,7 +133,7 @@ impl<S: Vector> GapMinimum<S> {
     }
 }
 
-/// True if a part of the upper half may be nearer to the ground than this, or over ground that is not known.
+/// True if a part of the upper half may have a lesser gap than this [m], or is over unknown ground.
 fn upper_half_matters(ground: &Terrain, circle: &WheelCircle, gap: f64) -> bool {
     let reach = |k: usize| {
         let (forward, up) = (circle.forward[k], circle.up[k]);
@@ -155,7 +156,7 @@ fn upper_half_matters(ground: &Terrain, circle: &WheelCircle, gap: f64) -> bool 
             top = f64::max(top, height);
         }
     }
-    // The lowest point of the upper half, if the wheel stands upright, is one of its ends.
+    // If the steering axis points upwards, the lowest point of the upper half is one of its ends.
     let lowest = z - if circle.up[2] >= 0.0 { circle.forward[2].abs() } else { reach(2) };
     !known || lowest - top < gap + TIE
 }

@@ -1,6 +1,6 @@
 //! Parts of the rims to search in a round of Newton's method, and the least gap along them: a rim in every lane.
 //!
-//! The lanes are rims, of several poses or of one. The parts that a whole search leaves out are higher above the ground than the
+//! The lanes are rims, of several poses or of one. The parts that a whole search leaves out have larger gaps than the
 //! last contact.
 
 use super::circles::{FAR, Point, RIMS, RimLanes, cells, spread};
@@ -16,7 +16,7 @@ use six_wheel_numerics::simd::vector::Vector;
 /// Height above the gap up to which other minima along the rim are kept [m].
 pub(crate) const MARGIN: f64 = 1e-4;
 
-/// Between points of [`SAMPLES`] [rad].
+/// Angle between points of [`SAMPLES`] [rad].
 const BETWEEN: f64 = 0.22;
 
 /// Sines and cosines of the multiples -5 to 5 of [`BETWEEN`].
@@ -35,22 +35,22 @@ const SAMPLES: [[f64; 2]; 11] = {
 /// Part of the rims to search.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Extent {
-    /// About the lowest gaps of some points of the rims.
+    /// About the sampled points of the rims with the least gaps.
     Sampled,
-    /// All of the lower halves that may touch.
+    /// The parts of the lower halves that may touch.
     Whole,
-    /// Some way to either side of the last contacts.
+    /// An interval about the last contacts.
     Near,
-    /// All of the lower halves that may touch, and the upper halves.
+    /// The parts of the lower halves that may touch, and the upper halves.
     Both,
 }
 
 #[inline_always]
 impl Extent {
-    /// All of them.
+    /// All values.
     pub const ALL: [Self; 4] = [Self::Sampled, Self::Whole, Self::Near, Self::Both];
 
-    /// Sine and cosine of half the angle to search, where it does not depend on the rim: `reach` is that of
+    /// Sine and cosine of the half range of the search, where it does not depend on the rim; `reach` is that of
     /// [`Self::Near`] [rad].
     pub fn half_width<S: Vector>(self, simd: S, reach: Lanes<S>) -> Option<Turned<S>> {
         match self {
@@ -60,8 +60,8 @@ impl Extent {
         }
     }
 
-    /// The least gap along this part of the rims, the last contacts at these sines and cosines. Also true in the lanes where
-    /// nothing that is left out matters.
+    /// The least gap along this part of the rims, with the last contacts at these sines and cosines; true in the lanes
+    /// in which no part that is left out can have a lesser gap.
     pub fn search<S: Vector>(
         self,
         simd: S,
@@ -82,8 +82,8 @@ impl Extent {
     }
 }
 
-/// The least gap along an interval; where the upper halves are searched too, they are among the others. Also whether nothing is
-/// left out that matters.
+/// The least gap along an interval; minima of the upper halves, if these are searched, count as other minima. True in
+/// the lanes in which no part that is left out can have a lesser gap.
 #[inline(always)]
 fn halves<S: Vector>(
     simd: S,
@@ -102,14 +102,14 @@ fn halves<S: Vector>(
             found.others = found.others.min(part.gap).min(part.others);
             covers = Lanes::splat(simd, 0.0).lt(Lanes::splat(simd, 1.0));
         }
-        // Turned over, its upper half is the lower one.
+        // After half a turn, the upper half is the lower one.
         rims.turn_over();
         interval = AngleInterval::lower(simd);
     }
     (found, covers)
 }
 
-/// The point with the lowest gap of some of every rim.
+/// Sine and cosine of the sampled point with the least gap of every rim.
 #[inline(always)]
 fn sampled<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>) -> [Lanes<S>; 2] {
     let (mut best, mut at) = (Lanes::splat(simd, FAR), [Lanes::splat(simd, 0.0); 2]);
@@ -136,7 +136,7 @@ fn gap<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, [sin, cos]: [La
     at[2] - (cell.h00 + cell.along * a + (cell.across + cell.twist * a) * b)
 }
 
-/// Interval of directions about the last contact.
+/// Interval of contact angles about the last contact.
 #[inline(always)]
 fn near_interval<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> AngleInterval<S> {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
@@ -151,8 +151,8 @@ fn near_interval<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S
     }
 }
 
-/// All of the rims that may be as near to the ground as the last contact is, and whether that leaves out their upper
-/// halves: a point that is higher above the highest ground around is not.
+/// The interval of contact angles that may have gaps as small as the last contact: points higher above the highest
+/// ground around have larger ones. True in the lanes in which the upper half has none either.
 #[inline(always)]
 fn whole_interval<S: Vector>(
     simd: S,
@@ -163,7 +163,7 @@ fn whole_interval<S: Vector>(
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let margin = Lanes::splat(simd, MARGIN);
     let gap = gap(simd, ground, rims, last);
-    // Over ground that is not known it says nothing.
+    // Unknown ground gives no bound.
     let far = Lanes::splat(simd, FAR);
     let gap = gap.le(far).select(gap, far) + margin + margin;
     let size = (rims.forward[2] * rims.forward[2] + rims.up[2] * rims.up[2]).sqrt();
@@ -171,7 +171,7 @@ fn whole_interval<S: Vector>(
     let (cos, sin) = (rims.up[2] * inverse, -(rims.forward[2] * inverse));
     let [rear, front] = highest_beside(simd, ground, rims, &rims.point(sin, cos));
     let mut interval = AngleInterval { margin, is_closed: false, ..AngleInterval::lower(simd) };
-    // So far from the lowest point its height is what counts: cosine and sine of the angle.
+    // Cosine and sine of the angle from the lowest point at which the rim is that high.
     let near = ((rims.centre[2] - front - gap) * inverse).min(unit);
     let far = (unit - near * near).max(zero).sqrt();
     let end = [sin * near + cos * far, cos * near - sin * far];
@@ -191,7 +191,7 @@ fn highest_beside<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, lowe
     let zero = Lanes::splat(simd, 0.0);
     let [mut rear, mut front] = [[[zero; 2]; 2]; 2];
     for k in 0..2 {
-        // Turned on by an angle from the lowest point it is tangent sin + spoke cos, with the cosine of either sign.
+        // A point at an angle from the lowest one is `tangent sin + spoke cos`, with a cosine of either sign.
         let (ahead, aside) = (lowest.tangent[k], lowest.spoke[k].abs());
         let (low, high) = (ahead.min(zero) - aside, ahead.max(zero) + aside);
         rear[0][k] = (rims.centre[k] - high).floor();
@@ -202,14 +202,14 @@ fn highest_beside<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, lowe
     [highest(simd, ground, rear), highest(simd, ground, front)]
 }
 
-/// The highest ground over boxes from cell to cell; infinity where it is not known. The same number with the pyramid of the map
-/// and without: no result depends on whether somebody has asked for it.
+/// The highest ground over boxes from cell to cell [m]; infinity where it is unknown. The number is the same with and
+/// without the pyramid of the map, so that no result depends on the calls before.
 #[inline(always)]
 fn highest<S: Vector>(simd: S, ground: &Terrain, [low, high]: [[Lanes<S>; 2]; 2]) -> Lanes<S> {
     let (zero, far) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, f64::INFINITY));
     let [rows, columns] = ground.shape();
     let last = [Lanes::splat(simd, columns as f64 - 2.0), Lanes::splat(simd, rows as f64 - 2.0)];
-    // False where a number is none.
+    // False for NaN.
     let on_map = zero.le(low[0])
         & zero.le(low[1])
         & high[0].le(last[0])

@@ -10,9 +10,9 @@ pub(crate) const TIE: f64 = 2e-7;
 /// A part of the lower halves of the rims.
 #[derive(Clone, Copy)]
 pub(crate) struct AngleInterval<S: Vector> {
-    /// Sine and cosine of the contact angle where it begins.
+    /// Sine and cosine of the contact angle at its start.
     pub start: [Lanes<S>; 2],
-    /// The same where it ends.
+    /// Sine and cosine of the contact angle at its end.
     pub end: [Lanes<S>; 2],
     /// Height above the least gap up to which other minima are kept [m].
     pub margin: Lanes<S>,
@@ -41,10 +41,11 @@ pub(crate) struct GapMinimum<S: Vector> {
     pub at: [Lanes<S>; 2],
     /// Derivatives of the ground's height by columns and rows [m].
     pub slope: [Lanes<S>; 2],
-    /// The next best minimum, as far as it is up to the margin above the least [m], and sine and cosine of its contact angle.
+    /// The next best minimum [m], if it is at most the margin above the least, and sine and cosine of its contact
+    /// angle.
     pub next_gap: Lanes<S>,
     pub next_at: [Lanes<S>; 2],
-    /// Nothing else, the ends of the interval included, is lower than this, as far as it is up to the margin above the gap [m].
+    /// Lower bound of all other minima and of the ends of the interval, if it is at most the margin above the gap [m].
     pub others: Lanes<S>,
     /// Lower bound of the gap along arcs whose curvature may change its sign [m].
     pub(super) unresolved: Lanes<S>,
@@ -55,7 +56,7 @@ pub(crate) struct GapMinimum<S: Vector> {
 
 #[inline_always]
 impl<S: Vector> GapMinimum<S> {
-    /// No gap, over ground that is known.
+    /// No gap, over known ground.
     pub fn none(simd: S) -> Self {
         let (zero, unit, far) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0), Lanes::splat(simd, FAR));
         let at = [zero, unit];
@@ -87,7 +88,7 @@ impl<S: Vector> GapMinimum<S> {
         }
     }
 
-    /// Takes in a minimum; of an open interval, where the next best one is does not matter.
+    /// Adds a minimum in the lanes of `mask`; of an open interval, the angle of the next best one is not kept.
     pub(super) fn offer(
         &mut self,
         is_closed: bool,

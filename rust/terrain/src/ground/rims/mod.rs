@@ -1,4 +1,4 @@
-//! The rims of wheels over the ground: the least gap of as many as there are lanes.
+//! The rims of wheels over the ground: the least gap of a rim in every lane.
 
 mod arcs;
 mod candidate;

@@ -1,11 +1,12 @@
 //! The least gap of rims along an interval of contact angles: a rim in every lane.
 //!
-//! All lanes walk in lockstep from one end of the interval to the other, each from cell to cell of its own. Over one cell the gap
-//! is a trigonometric polynomial of second degree in the contact angle. Its second derivative over an arc is bounded by its
-//! values at the ends and a bound of the fourth. Where it is positive there is at most one minimum inside, a [`Candidate`]; where
-//! it is negative the minimum is an end; on a crease between two cells the gap may fall from both sides. Where its sign may
-//! change, a first walk takes a lower bound of the gap. If that is not above the least gap, a second walk halves such arcs, so
-//! that a dip and a hump in one cell are both seen.
+//! A walk is a search in lockstep from one end of the interval to the other: each lane proceeds from cell to cell of
+//! its own. Over one cell the gap is a trigonometric polynomial of second degree in the contact angle. Its second
+//! derivative over an arc is bounded by its values at the ends and a bound of the fourth. Where it is positive there is
+//! at most one minimum inside, a [`Candidate`]; where it is negative the minimum is an end; at a crease between two
+//! cells the gap may have a minimum too. Where its sign may change, a first walk takes a lower bound of the gap. If
+//! that is not above the least gap, a second walk halves such arcs, so that minima and maxima in one cell are
+//! separated.
 //!
 //! Directions are pairs `(sin t, cos t)`; no angle is computed.
 
@@ -55,14 +56,15 @@ pub(crate) fn find_min_gap<S: Vector>(
 
 #[inline_always]
 impl<S: Vector> Search<'_, S> {
-    /// The end of known ground before an arc: of a closed interval the gap is taken to fall towards it, of an open one to rise.
+    /// The end of known ground before an arc: the gap decreases towards it in a closed interval, and increases in an
+    /// open one.
     fn edge(&self) -> ArcEnd<S> {
         let zero = self.all(0.0);
         let rise = if self.interval.is_closed { f64::NEG_INFINITY } else { f64::INFINITY };
         ArcEnd { gap: self.all(FAR), rise: self.all(rise), slope: [zero; 2] }
     }
 
-    /// Walks from one end of the interval to the other.
+    /// Searches from one end of the interval to the other.
     fn walk(&self, ceiling: Lanes<S>, halves: bool) -> GapMinimum<S> {
         let (zero, unit, far) = (self.all(0.0), self.all(1.0), self.all(FAR));
         let start = self.rims.point(self.interval.start[0], self.interval.start[1]);
@@ -96,7 +98,7 @@ impl<S: Vector> Search<'_, S> {
         }
         let last = walk.before;
         if self.interval.is_closed {
-            // The gap falls towards the end, or the half circle ends at once.
+            // The gap decreases towards the end, or the arc has no length.
             let falls = last.gap.lt(far) & last.rise.le(zero);
             walk.found.offer(self.interval.is_closed, falls, last.gap, self.interval.end, last.slope);
         } else {
@@ -106,7 +108,7 @@ impl<S: Vector> Search<'_, S> {
         walk.found
     }
 
-    /// One arc of every rim; the gap where it begins, [`FAR`] over unknown ground.
+    /// Searches one arc of every rim. Returns the gap at its start, [`FAR`] over unknown ground.
     fn step(&self, walk: &mut Walk<S>, halves: bool) -> Lanes<S> {
         let (simd, rims) = (self.simd, self.rims);
         let cell = cells(simd, self.ground, walk.cell[0], walk.cell[1]);
@@ -116,7 +118,7 @@ impl<S: Vector> Search<'_, S> {
         let right = rims.derivatives(&cell, from, &next.end);
         // Unknown or off the map: NaN.
         let known = cell.twist.le(self.all(FAR));
-        // The arc ends in its cell unless rounding has led the walk astray.
+        // The arc ends in its cell unless rounding has put the search into a wrong one.
         let strays = both!(k, {
             let place = from[k] + next.end.spoke[k];
             self.all(0.5 + 1e-9).lt((place - self.all(0.5)).abs())
@@ -141,7 +143,7 @@ impl<S: Vector> Search<'_, S> {
             real = real & !again;
             self.retry(walk, &mut next, halved, again & !halved);
         } else {
-            // Parabolas from its ends say how low the gap may be inside.
+            // Lower bound of the gap inside by parabolas from both ends.
             let bent = arc.length * arc.least_curvature * self.all(0.5);
             let low = (left.rise + bent)
                 .mul_add(arc.length, left.gap)
@@ -155,13 +157,13 @@ impl<S: Vector> Search<'_, S> {
         known.select(left.gap, self.all(FAR))
     }
 
-    /// Keeps a convex arc at whose ends the gap falls inwards, if it may hold the least gap: the two lowest are looked at in the
-    /// end, others at once if arcs are halved.
+    /// Keeps a convex arc with a minimum inside that may be the least: the two with the lowest bounds are evaluated at
+    /// the end of the walk, others at once if arcs are halved.
     fn keep_candidate(&self, walk: &mut Walk<S>, arc: &Arc<S>, mask: Mask<S>, halves: bool) {
         let (zero, unit, far) = (self.all(0.0), self.all(1.0), self.all(FAR));
         let Arc { left, right, .. } = arc;
         let dips = left.rise.lt(zero) & zero.lt(right.rise);
-        // Parabolas through both ends, bent as little as the gap is anywhere on the arc, are below it.
+        // Parabolas from both ends with the least curvature of the arc are below the gap.
         let (bend, turn) = (arc.least_curvature.max(self.all(1e-12)), dips.select(left.rise - right.rise, -unit));
         let inverse = unit / (bend * turn);
         let depth = turn * inverse * self.all(-0.5);
@@ -194,9 +196,9 @@ impl<S: Vector> Search<'_, S> {
         walk.candidates[0] = Candidate::pick(is_lowest, &candidate, &lowest);
     }
 
-    /// Takes in the minimum of a candidate that may be the least.
+    /// Adds the minimum of a candidate that may be the least.
     fn polish(&self, walk: &mut Walk<S>, candidate: &Candidate<S>) {
-        // Without a candidate there is no arc either, however far the least gap is.
+        // A bound of `FAR` is that of no candidate.
         let wanted = candidate.bound.lt(self.all(FAR)) & candidate.bound.le(walk.ceiling + self.interval.margin);
         if !wanted.any() {
             return;
@@ -206,21 +208,21 @@ impl<S: Vector> Search<'_, S> {
         walk.ceiling = walk.ceiling.min(walk.found.gap);
     }
 
-    /// Takes in the crease between the last arc and this one, if the gap falls towards it from both sides.
+    /// Adds the crease between the last arc and this one, if the gap decreases towards it from both sides.
     fn keep_crease(&self, walk: &mut Walk<S>, arc: &Arc<S>, mask: Mask<S>) {
         let (zero, unit) = (self.all(0.0), self.all(1.0));
         let (rise, slope) = (walk.before.rise, walk.before.slope);
         let falls = mask & rise.le(zero) & zero.le(arc.left.rise);
         let turned = arc.left.rise - rise;
         let bends = zero.lt(turned);
-        // The mix of both slopes that is square to the rim; 0 at the edge of known ground.
+        // The weighted mean of both slopes that is orthogonal to the rim; 0 at the edge of known ground.
         let share = bends.select(arc.left.rise / bends.select(turned, unit), self.all(0.5));
         let mix = both!(k, share * slope[k] + (unit - share) * arc.left.slope[k]);
         walk.found.offer(self.interval.is_closed, falls, arc.left.gap, [walk.start.sin, walk.start.cos], mix);
         walk.ceiling = walk.ceiling.min(walk.found.gap);
     }
 
-    /// Notes unknown ground, and takes in the point where it begins, if the gap falls towards it.
+    /// Sets the flags of unknown ground, and adds its first point, if the gap decreases towards it.
     fn leave_known_ground(&self, walk: &mut Walk<S>, mask: Mask<S>) {
         let (zero, cell, before) = (self.all(0.0), walk.cell, walk.before);
         let [rows, columns] = self.ground.shape();
@@ -247,7 +249,7 @@ impl<S: Vector> Search<'_, S> {
         };
     }
 
-    /// Begins an arc again: up to its middle, or from the cell that is just ahead where rounding had led astray.
+    /// Repeats an arc: up to its middle, or from the corrected cell after a wrong one.
     fn retry(&self, walk: &mut Walk<S>, next: &mut NextEnd<S>, halved: Mask<S>, strays: Mask<S>) {
         walk.limit = [self.all(2.0), self.all(0.0)];
         let again = halved | strays;
@@ -269,7 +271,7 @@ impl<S: Vector> Search<'_, S> {
         next.is_last = next.is_last & !again;
     }
 
-    /// Goes on to the next arc.
+    /// Proceeds to the next arc.
     fn advance(&self, walk: &mut Walk<S>, next: &NextEnd<S>, real: Mask<S>, arc: &Arc<S>) {
         let before = walk.before;
         walk.before = ArcEnd {

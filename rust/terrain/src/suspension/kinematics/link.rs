@@ -1,7 +1,8 @@
 //! A link of a chain: its pose and its motion.
 //!
-//! Two forms of a rotation: any, as a matrix, and one about the x or y axis of the frame, which leaves out the zeros and
-//! ones of that matrix. Chains in the axes of their body have the second ([`Chain::is_planar`](super::Chain::is_planar)).
+//! Two forms of a rotation: any rotation as a matrix, and a rotation about the x or y axis of the frame, without the
+//! zeros and ones of that matrix. Chains in the axes of their body have the second
+//! ([`Chain::is_planar`](super::Chain::is_planar)).
 
 use crate::suspension::lanes::{Turned, Vectors, along, cross, dot, less, scaled, splat, sum, turn_about};
 use six_wheel_numerics::simd::lanes::Lanes;
@@ -14,15 +15,15 @@ pub struct Hinge<S: Vector> {
     pub origin: Vectors<S>,
     /// Direction of the axis.
     pub axis: [f64; 3],
-    /// The axis of the parent that this is, if it is one.
+    /// Index of the parent's axis that this axis is, if it is one.
     pub main_axis: Option<usize>,
     /// Sine and cosine of the angle of the link.
     pub turned: Turned<S>,
-    /// Derivative of that angle by the one of the joint; None where it is 1.
+    /// Derivative of the angle of the link by the angle of the joint; None where it is 1.
     pub slope: Option<Lanes<S>>,
 }
 
-/// Rotation of a link against the frame, a point that it carries, and the axis of its joint.
+/// Rotation of a link against the frame, its origin, and the axis of its joint.
 pub trait LinkPose<S: Vector>: Copy {
     /// The frame itself.
     fn frame(simd: S) -> Self;
@@ -30,10 +31,10 @@ pub trait LinkPose<S: Vector>: Copy {
     /// A point of the link [m].
     fn point(&self, local: Vectors<S>) -> Vectors<S>;
 
-    /// Writes the pose of a link on this one.
+    /// Writes the pose of a link that this one carries.
     fn carry(&self, hinge: &Hinge<S>, pose: &mut Self);
 
-    /// Derivatives, by the angle of the joint, of the place of a point along some directions ([`slopes_about`]).
+    /// Derivatives of the position of a point along some directions by the angle of the joint ([`slopes_about`]).
     fn slopes<const N: usize>(&self, point: Vectors<S>, directions: &[Vectors<S>; N]) -> [Lanes<S>; N];
 }
 
@@ -49,12 +50,12 @@ pub struct MatrixPose<S: Vector> {
 
 #[inline_always]
 impl<S: Vector> MatrixPose<S> {
-    /// A link of which the axis of its joint and a point of that are known: the rest is that of the frame.
+    /// A link with this axis of its joint and this point of it, in the orientation of the frame.
     pub fn on_axis(axis: Vectors<S>, origin: Vectors<S>) -> Self {
         Self { axis, origin, ..Self::frame(origin[0].simd()) }
     }
 
-    /// A sum of the columns, added to a vector.
+    /// The vector `to` plus the columns times the factors.
     fn combined(&self, factors: Vectors<S>, to: Vectors<S>) -> Vectors<S> {
         let [x, y, z] = self.columns;
         along(along(along(to, factors[0], x), factors[1], y), factors[2], z)
@@ -120,7 +121,7 @@ impl<S: Vector> LinkPose<S> for MatrixPose<S> {
     }
 }
 
-/// Derivatives, by an angle about an axis, of the place of a point along some directions: `axis . (arm x direction)`.
+/// Derivatives of the position of a point along some directions by an angle about an axis: `axis . (arm x direction)`.
 #[inline(always)]
 pub fn slopes_about<S: Vector, const N: usize>(
     axis: Vectors<S>,
@@ -137,7 +138,7 @@ pub fn slopes_about<S: Vector, const N: usize>(
 /// Motion of a body.
 #[derive(Clone, Copy)]
 pub struct LinkVelocity<S: Vector> {
-    /// Of its point at the origin of the frame [m/s].
+    /// Velocity of its point at the origin of the frame [m/s].
     pub linear: Vectors<S>,
     /// [rad/s]
     pub angular: Vectors<S>,
@@ -145,13 +146,13 @@ pub struct LinkVelocity<S: Vector> {
 
 #[inline_always]
 impl<S: Vector> LinkVelocity<S> {
-    /// The velocity of a point that the body carries [m/s]: `v + w x p`.
+    /// The velocity of a point of the body [m/s]: `v + w x p`.
     pub fn at(&self, point: Vectors<S>) -> Vectors<S> {
         sum(self.linear, cross(self.angular, point))
     }
 }
 
-/// The axis of the frame about which a link is turned.
+/// The axis of the frame about which a link is rotated.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum LinkAxis {
     /// None: the link is the frame itself.
@@ -160,13 +161,13 @@ enum LinkAxis {
     Y,
 }
 
-/// A link that is turned about the x or y axis of the frame, or the frame itself, with its motion against the frame.
+/// A link that is rotated about the x or y axis of the frame, or the frame itself, with its motion against the frame.
 #[derive(Clone, Copy)]
 pub struct PlanarLink<S: Vector> {
     axis: LinkAxis,
     turned: Turned<S>,
     origin: Vectors<S>,
-    /// Derivative, by the angle of its joint, of the angle by which the link turns z towards x or y.
+    /// Derivative of the angle of the link (z towards x or y) by the angle of its joint.
     slope: Lanes<S>,
     /// Rate of that angle, the sum of those of the joints [rad/s].
     rate: Lanes<S>,
@@ -189,17 +190,17 @@ impl<S: Vector> PlanarLink<S> {
     fn turn(&self, turned: Turned<S>, vector: Vectors<S>) -> Vectors<S> {
         match self.axis {
             LinkAxis::X => turn_about::<0, S>(turned, vector),
-            // By no angle, if it is the frame itself.
+            // The frame itself has the angle 0.
             _ => turn_about::<1, S>(turned, vector),
         }
     }
 
-    /// The coordinate towards which the link turns z: x about the y axis, y against the x axis.
+    /// The coordinate towards which a positive angle rotates z: x about the y axis, -y about the x axis.
     fn ahead(&self, vector: Vectors<S>) -> Lanes<S> {
         if self.axis == LinkAxis::X { vector[1] } else { vector[0] }
     }
 
-    /// Moves a link on this one at a rate of its joint [rad/s].
+    /// Sets the velocity of a link that this one carries, by the rate of its joint [rad/s].
     pub fn carry_rate(&self, rate: Lanes<S>, link: &mut Self) {
         let rate = link.slope * rate;
         link.rate = self.rate + rate;
@@ -207,8 +208,8 @@ impl<S: Vector> PlanarLink<S> {
             [rate.mul_add(link.origin[2], self.moments[0]), rate.mul_add(link.ahead(link.origin), self.moments[1])];
     }
 
-    /// The velocity of a point of the link where the frame moves like this, steering held [m/s]: `v + w x p + sum of
-    /// q a x (p - o)` over the joints.
+    /// The velocity of a point of the link at this velocity of the frame and constant steering angles [m/s]: `v + w x p
+    /// + sum of q a x (p - o)` over the joints.
     pub fn velocity(&self, frame: &LinkVelocity<S>, point: Vectors<S>) -> Vectors<S> {
         let [x, y, z] = frame.at(point);
         let ahead = self.rate.mul_add(point[2], -self.moments[0]);
@@ -220,7 +221,7 @@ impl<S: Vector> PlanarLink<S> {
         }
     }
 
-    /// Angular velocity of the link where the frame moves like this [rad/s].
+    /// Angular velocity of the link at this velocity of the frame [rad/s].
     pub fn angular_velocity(&self, frame: &LinkVelocity<S>) -> Vectors<S> {
         let [x, y, z] = frame.angular;
         match self.axis {
