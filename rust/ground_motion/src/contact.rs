@@ -10,7 +10,7 @@ use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS, Placed, WheelFr
 /// One settled pose: attitude, angles and contacts.
 #[derive(Clone, Copy, Debug)]
 pub struct Footing<'a> {
-    /// Roll, pitch and yaw of the body [rad].
+    /// Roll, pitch and yaw of the body, `Rz(yaw) Ry(pitch) Rx(roll)` [rad].
     pub attitude: [f64; 3],
     /// Free angles [rad].
     pub joints: &'a [f64],
@@ -18,7 +18,7 @@ pub struct Footing<'a> {
     pub steering: &'a [f64],
     /// Contact angle of every wheel [rad].
     pub angles: &'a [f64],
-    /// Normal of the ground at every wheel, in world axes.
+    /// Unit normal of the ground at every wheel, in world axes.
     pub normals: &'a [[f64; 3]],
     /// True for the wheels that touch the ground.
     pub touching: [bool; MAX_WHEELS],
@@ -37,23 +37,23 @@ impl Footing<'_> {
 /// One wheel on the ground.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact {
-    /// Velocity of the touching point along the normal, along the rim and to the left [m/s], by the rates, if the wheel does
-    /// not turn against its link.
+    /// Derivatives by the rates of the velocity of the touching point along the normal, along the rim and to the left
+    /// [m/s], of a wheel that does not turn against its link.
     pub rows: [Row; 3],
-    /// The same per rate of its own steering [m/rad].
+    /// Derivatives of these velocities by the rate of the wheel's own steering joint [m/rad].
     pub swivel: [f64; 3],
-    /// Its steering joint.
+    /// Index of its steering joint; None for an unsteered wheel.
     pub steering: Option<usize>,
-    /// True if it touches.
+    /// True if the wheel touches the ground.
     pub touching: bool,
 }
 
-/// Plane on which a wheel stands, and where the wheel touches it.
+/// Plane on which a wheel stands, and the contact angle at which the wheel touches it.
 pub(crate) struct ContactPlane {
     pub frame: WheelFrame,
     pub normal: Vector3<f64>,
     pub radius: f64,
-    /// Of the contact angle.
+    /// Direction of the contact angle.
     pub at: Direction,
 }
 
@@ -62,7 +62,7 @@ impl ContactPlane {
     pub fn new(frame: WheelFrame, normal: Vector3<f64>, radius: f64) -> Self {
         let (ahead, up) = (frame.forward.dot(&normal), frame.up.dot(&normal));
         let length = ahead.hypot(up);
-        // A wheel that lies flat touches anywhere.
+        // The normal along the axle leaves the contact angle open: 0.
         let at = match length {
             0.0 => Direction::from(0.0),
             _ => Direction { sin: -ahead / length, cos: up / length },
@@ -75,13 +75,13 @@ impl ContactPlane {
         self.frame.tangent(self.at)
     }
 
-    /// From its centre to the touching point [m].
+    /// Vector from the wheel's centre to the touching point, in the body [m].
     pub fn centre_to_contact(&self) -> Vector3<f64> {
         self.frame.spoke(self.at) * self.radius
     }
 }
 
-/// The contacts of all wheels: everything that is linear in the rates.
+/// The contacts of all wheels: the velocities of their touching points as linear functions of the rates.
 #[derive(Clone, Copy, Debug)]
 pub struct Contacts {
     /// Wheel by wheel; the first `count` are filled.
@@ -90,7 +90,7 @@ pub struct Contacts {
     pub count: usize,
     /// Number of free angles.
     pub joints: usize,
-    /// True for those at a stop, which do not turn.
+    /// True for the free angles at a stop: their rates are 0.
     pub stopped: [bool; MAX_FREE],
 }
 
@@ -101,7 +101,7 @@ impl Contacts {
         Self { wheels: [blank; MAX_WHEELS], count: chain.wheels().len(), joints: chain.joints().len(), stopped }
     }
 
-    /// Those of a settled pose. None where a differential does not reach.
+    /// The contacts of a settled pose. None where a differential does not reach.
     pub fn new(chain: &Chain, footing: &Footing<'_>) -> Option<Self> {
         let placed = in_body(chain, footing.joints, footing.steering)?;
         let body_from_world = footing.rotation().inverse();
@@ -135,7 +135,7 @@ impl Contact {
     }
 }
 
-/// The velocity field of a wheel's carrier for given rates: of its centre [m/s], and its rotation [rad/s].
+/// Velocity of a wheel's centre [m/s] and angular velocity of the link that carries it [rad/s], at given rates.
 pub(crate) fn carried(placed: &Placed<'_>, wheel: usize, rates: &Row) -> (Vector3<f64>, Vector3<f64>) {
     let centre = placed.wheel(wheel).centre;
     let [vx, vy, vz, wx, wy, wz, joint_rates @ ..] = *rates;
@@ -149,8 +149,8 @@ pub(crate) fn carried(placed: &Placed<'_>, wheel: usize, rates: &Row) -> (Vector
     (velocity, turn)
 }
 
-/// Distance of the centre of the unsteered wheels behind the body's origin, all angles 0 [m]: a rover that turns about
-/// a point abreast of it scrubs least on level ground.
+/// Distance of the mean of the unsteered wheels' centres behind the body's origin, all angles 0 [m]. On level ground a
+/// rover scrubs least when its centre of rotation is at this distance behind the origin.
 pub fn rest_offset(chain: &Chain) -> f64 {
     let Some(placed) = in_body(chain, &[], &[]) else {
         return 0.0;

@@ -1,15 +1,16 @@
-//! Commands and measurements for the traction of many rows, and the places of its results.
+//! Commands and measurements for the traction of many rows, and the arrays of its results.
 
-/// From when on a wheel is taken to be off the ground: it moves across its link as no slope would push it.
+/// Thresholds above which a wheel counts as off the ground: its centre moves across its link faster than on any slope
+/// that wheels climb.
 #[derive(Clone, Copy, Debug)]
 pub struct Lift {
     /// Steepest slope that wheels climb, against the link, at the commanded speed [rad].
     pub angle: f64,
-    /// Slowest such motion that counts [m/s].
+    /// Least velocity across the link that counts [m/s].
     pub speed: f64,
 }
 
-/// Tangent of the default.
+/// Tangent of the default angle of 1 rad.
 const STEEPEST: f64 = 1.557_407_724_654_902_3;
 
 impl Lift {
@@ -43,33 +44,33 @@ pub enum Turns<'a> {
 pub struct Driving<'a> {
     /// Commanded forward speed of the body, one or one per row [m/s].
     pub speed: &'a [f64],
-    /// Commanded turning.
+    /// Commanded curvature or yaw rate.
     pub turning: Turns<'a>,
-    /// Rates of the body about its axes [rad/s].
+    /// Angular velocity of the body in its axes [rad/s].
     pub angular_velocity: &'a [[f64; 3]],
     /// Free angles [rad].
     pub joints: &'a [f64],
-    /// Their rates [rad/s].
+    /// Rates of the free angles [rad/s].
     pub joint_rates: &'a [f64],
     /// Present steering angles [rad].
     pub steering: Option<&'a [f64]>,
     /// Measured speeds of the wheels [rad/s].
     pub wheel_speeds: Option<&'a [f64]>,
-    /// When a wheel is off the ground.
+    /// Thresholds above which a wheel counts as off the ground.
     pub lift: Lift,
 }
 
 /// Commands of the wheels, row after row.
 #[derive(Debug)]
 pub struct Drives<'a> {
-    /// Of the steering joints [rad].
+    /// Angles of the steering joints [rad].
     pub steering: &'a mut [f64],
-    /// Of the wheels [rad/s].
+    /// Speeds of the wheels [rad/s].
     pub speeds: &'a mut [f64],
-    /// Of the wheels [rad].
+    /// Contact angles of the wheels [rad].
     pub contact_angles: &'a mut [f64],
-    /// Of the wheels.
+    /// True for wheels that count as off the ground.
     pub lifted: &'a mut [bool],
-    /// One per row [m/s].
+    /// Vertical speed of the body, one per row [m/s].
     pub vertical: &'a mut [f64],
 }

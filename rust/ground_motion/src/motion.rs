@@ -25,14 +25,14 @@ pub struct Readings<'a> {
     pub steering_rates: Option<&'a [f64]>,
     /// Rates of the free angles [rad/s]; NaN where one was not measured.
     pub joint_rates: Option<&'a [f64]>,
-    /// Of the body about its axes [rad/s]; NaN where it was not measured.
+    /// Angular velocity of the body in its axes [rad/s]; NaN where it was not measured.
     pub angular_velocity: Option<&'a [f64]>,
-    /// Weight of every wheel, or of every wheel's rolling and side slip.
+    /// Weight of every wheel, or two weights per wheel: those of its rolling and of its side slip.
     pub weights: Option<&'a [f64]>,
 }
 
 impl Readings<'_> {
-    /// Rates that are no unknowns; NaN for those that are.
+    /// Rates that are known; NaN for the unknown ones.
     pub(crate) fn known(&self, contacts: &Contacts) -> Row {
         let mut known = [f64::NAN; COLUMNS];
         for (k, rate) in self.angular_velocity.into_iter().flatten().enumerate() {
@@ -50,12 +50,12 @@ impl Readings<'_> {
     }
 }
 
-/// Motion of the body.
+/// Motion of the body that fits the readings best.
 #[derive(Clone, Copy, Debug)]
-pub struct Moving {
-    /// Of the body's origin, in its axes [m/s, rad/s].
+pub struct BodyMotion {
+    /// Twist of the body's origin, in its axes [m/s, rad/s].
     pub twist: [f64; 6],
-    /// Of the free angles [rad/s].
+    /// Rates of the free angles [rad/s].
     pub joint_rates: [f64; MAX_FREE],
     /// Velocity of every touching point along the normal, along the tangent and to the left [m/s]; NaN in the air.
     pub residual: [[f64; 3]; MAX_WHEELS],
@@ -64,9 +64,9 @@ pub struct Moving {
 /// Frame of a commanded speed and yaw rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum View {
-    /// Of the body along its x axis and about its z axis.
+    /// Along the body's x axis and about its z axis.
     Body,
-    /// Seen from above, along the heading.
+    /// In the horizontal plane: along the heading, and about the vertical.
     Plan,
 }
 
@@ -77,7 +77,7 @@ pub struct Command {
     pub view: View,
     /// Distance behind the origin of the point that moves straight ahead [m]: [`rest_offset`].
     pub offset: f64,
-    /// Largest speed of a wheel [rad/s]: all are slowed down together to keep it.
+    /// Largest speed of a wheel [rad/s]: beyond it all speeds are scaled down by one factor.
     pub wheel_speed: f64,
 }
 
@@ -87,8 +87,8 @@ impl Command {
         Self { view: View::Body, offset: rest_offset(chain), wheel_speed: f64::INFINITY }
     }
 
-    /// Speeds and yaw rates of twists in the plane, `(vx, omega)`. Fails where a twist has a sideways speed of its own: vy is 0,
-    /// or `offset omega`, that of the point at the origin.
+    /// Speeds and yaw rates `(vx, omega)` [m/s, rad/s] of planar twists. Fails unless `vy` is 0 or `offset omega`, the
+    /// sideways velocity of the origin when the point at `offset` behind it moves straight ahead.
     pub fn of_twists(&self, twists: &[[f64; 3]]) -> Result<Vec<[f64; 2]>, Error> {
         let rule = "be a twist (vx, 0, omega), as the steered wheels follow the unsteered ones, or (speed, yaw rate)";
         let speeds = twists.iter().enumerate().map(|(row, [vx, vy, omega])| {
@@ -108,7 +108,7 @@ pub(crate) struct SuspensionJacobian {
 
 impl Contacts {
     /// Twist and joint rates from the wheels: the planar motion by weighted least squares over the contacts.
-    pub fn forward(&self, readings: &Readings<'_>, radii: &[f64; MAX_WHEELS]) -> Moving {
+    pub fn forward(&self, readings: &Readings<'_>, radii: &[f64; MAX_WHEELS]) -> BodyMotion {
         Level::Scalar.run_any(OneMotion { contacts: self, readings, radii })
     }
 
@@ -124,11 +124,8 @@ impl Contacts {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let mut contacts = [LaneContact::zero(simd); MAX_WHEELS];
         let touches = self.touching().count();
-        let mut touching = Touching {
-            wheels: [zero; MAX_WHEELS],
-            all: touches == self.count,
-            nowhere: Mask::splat(simd, touches == 0),
-        };
+        let mut touching =
+            Touching { wheels: [zero; MAX_WHEELS], all: touches == self.count, none: Mask::splat(simd, touches == 0) };
         for (wheel, (lanes, contact)) in contacts.iter_mut().zip(&self.wheels[..self.count]).enumerate() {
             for i in 0..3 {
                 for (cell, part) in lanes.rows[i].iter_mut().zip(contact.rows[i]) {
@@ -145,10 +142,10 @@ impl Contacts {
 /// Rates that are known in every lane, or in none.
 #[inline(always)]
 fn known_rates<S: Vector>(simd: S, known: &Row) -> KnownRates<S> {
-    let mut rates = [KnownRate::Nowhere; COLUMNS];
+    let mut rates = [KnownRate::Unknown; COLUMNS];
     for (rate, known) in rates.iter_mut().zip(known) {
         if !known.is_nan() {
-            *rate = KnownRate::Everywhere(all(simd, *known));
+            *rate = KnownRate::Known(all(simd, *known));
         }
     }
     rates
@@ -162,10 +159,10 @@ struct OneMotion<'a> {
 }
 
 impl Kernel for OneMotion<'_> {
-    type Output = Moving;
+    type Output = BodyMotion;
 
     #[inline(always)]
-    fn run<S: Vector>(self, simd: S) -> Moving {
+    fn run<S: Vector>(self, simd: S) -> BodyMotion {
         let Self { contacts, readings, radii } = self;
         let mut swivels = [0.0; MAX_WHEELS];
         if let Some(rates) = readings.steering_rates {
@@ -190,7 +187,7 @@ impl Kernel for OneMotion<'_> {
         let constants = MotionConstants::dense(contacts.count, contacts.joints, *radii);
         let found = fit::<S, 4>(simd, &constants, &input, &mut DenseLeastSquares::new(simd));
         let mut moving =
-            Moving { twist: [0.0; 6], joint_rates: [0.0; MAX_FREE], residual: [[f64::NAN; 3]; MAX_WHEELS] };
+            BodyMotion { twist: [0.0; 6], joint_rates: [0.0; MAX_FREE], residual: [[f64::NAN; 3]; MAX_WHEELS] };
         let rates = moving.twist.iter_mut().chain(&mut moving.joint_rates).zip(found.rates);
         let residuals = moving.residual.as_flattened_mut().iter_mut().zip(found.residuals);
         for (value, lane) in rates.chain(residuals) {

@@ -1,4 +1,4 @@
-//! Derivatives of a motion by the readings: those of `Contacts::forward`, which is linear in its readings.
+//! Derivatives of the motion of [`Contacts::forward`] by its readings, in which it is linear.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -11,28 +11,30 @@ use six_wheel_numerics::jacobi::Jacobi;
 use six_wheel_numerics::least_squares::DEPENDENT;
 use six_wheel_terrain::suspension::MAX_WHEELS;
 
-/// Derivatives of a twist `vx, vy, vz, wx, wy, wz`.
-pub type Answer = [f64; 6];
+/// Derivatives of the twist `vx, vy, vz, wx, wy, wz` [m/s, rad/s] by one reading.
+pub type TwistDerivative = [f64; 6];
 
-/// Derivatives of the twist that the wheels tell, by everything that is read of one motion.
+/// Derivatives of the fitted twist by all readings of one motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Response {
-    /// By the speed of every wheel.
-    pub by_speed: [Answer; MAX_WHEELS],
-    /// By a velocity to the left that the touching point of every wheel has.
-    pub by_side: [Answer; MAX_WHEELS],
-    /// By the rate of every steering joint.
-    pub by_steering_rate: [Answer; MAX_WHEELS],
-    /// By the body's rates about x and y, where they were measured.
-    pub by_tilting: [Answer; 2],
-    /// By the rate of every free angle, where it was measured.
-    pub by_joint_rate: [Answer; COLUMNS - 6],
+    /// By the speed of every wheel [rad/s].
+    pub by_speed: [TwistDerivative; MAX_WHEELS],
+    /// By the sideways velocity of every wheel's touching point, positive to the left [m/s].
+    pub by_side: [TwistDerivative; MAX_WHEELS],
+    /// By the rate of every steering joint [rad/s].
+    pub by_steering_rate: [TwistDerivative; MAX_WHEELS],
+    /// By the body's rates about x and y [rad/s]; 0 where they were not measured.
+    pub by_tilting: [TwistDerivative; 2],
+    /// By the rate of every free angle [rad/s]; 0 where it was not measured.
+    pub by_joint_rate: [TwistDerivative; COLUMNS - 6],
 }
 
-/// Three rows of a contact, as the fit of the motion in plan has them.
+/// Three rows of a contact in the fit of the planar motion.
 #[derive(Clone, Copy)]
 struct Rows {
+    /// Derivatives by all rates.
     directions: [Row; 3],
+    /// Derivatives by the planar rates, those of the suspension eliminated.
     plan: [Vector3<f64>; 3],
     /// Weight of each row.
     shares: [f64; 3],
@@ -40,9 +42,10 @@ struct Rows {
     steering: Option<usize>,
 }
 
-/// The fit with everything that it needs again for every derivative.
+/// The parts of the fit that all derivatives share.
 struct Fit {
     suspension: SuspensionJacobian,
+    /// Inverse of the normal matrix of the planar rates.
     inverse: Matrix3<f64>,
     rows: [Option<Rows>; MAX_WHEELS],
 }
@@ -62,36 +65,36 @@ impl Contacts {
         let none = [0.0; COLUMNS];
         for (wheel, rows) in fit.rows.iter().enumerate() {
             let Some(rows) = rows else { continue };
-            let told = |row: usize, by: f64| rows.plan[row] * (rows.shares[row] * by);
-            response.by_speed[wheel] = fit.moved(&none, told(1, radii[wheel]));
-            response.by_side[wheel] = fit.moved(&none, told(2, 1.0));
+            let right = |row: usize, by: f64| rows.plan[row] * (rows.shares[row] * by);
+            response.by_speed[wheel] = fit.twist(&none, right(1, radii[wheel]));
+            response.by_side[wheel] = fit.twist(&none, right(2, 1.0));
         }
-        // Rates that were measured, one at a time.
+        // Rates of the suspension for one measured rate of 1, the others 0.
         let unit = |column: usize| {
             let mut rates = known.map(|rate| if rate.is_nan() { rate } else { 0.0 });
             rates[column] = 1.0;
             self.suspension(&rates, &[0.0; MAX_WHEELS]).offset
         };
-        for (axis, answer) in response.by_tilting.iter_mut().enumerate() {
+        for (axis, derivative) in response.by_tilting.iter_mut().enumerate() {
             if !known[3 + axis].is_nan() {
-                *answer = fit.answer(&unit(3 + axis), None);
+                *derivative = fit.driven_twist(&unit(3 + axis), None);
             }
         }
         let joints = response.by_joint_rate[..self.joints].iter_mut();
-        for (joint, answer) in joints.enumerate() {
+        for (joint, derivative) in joints.enumerate() {
             if !known[6 + joint].is_nan() && !self.stopped[joint] {
-                *answer = fit.answer(&unit(6 + joint), None);
+                *derivative = fit.driven_twist(&unit(6 + joint), None);
             }
         }
         let still = known.map(|rate| if rate.is_nan() { rate } else { 0.0 });
-        for (joint, answer) in response.by_steering_rate.iter_mut().enumerate() {
+        for (joint, derivative) in response.by_steering_rate.iter_mut().enumerate() {
             let mut swivels = [0.0; MAX_WHEELS];
-            let turned = |rows: &Option<Rows>| rows.is_some_and(|rows| rows.steering == Some(joint));
+            let is_steered = |rows: &Option<Rows>| rows.is_some_and(|rows| rows.steering == Some(joint));
             for (swivel, rows) in swivels.iter_mut().zip(&fit.rows) {
-                *swivel = if turned(rows) { 1.0 } else { 0.0 };
+                *swivel = if is_steered(rows) { 1.0 } else { 0.0 };
             }
             if swivels.contains(&1.0) {
-                *answer = fit.answer(&self.suspension(&still, &swivels).offset, Some(joint));
+                *derivative = fit.driven_twist(&self.suspension(&still, &swivels).offset, Some(joint));
             }
         }
         response
@@ -128,24 +131,26 @@ impl SuspensionJacobian {
 }
 
 impl Fit {
-    /// The twist for rates other than those in plan, and for the planar rates that the rows then need.
-    fn moved(&self, beside: &Row, asked: Vector3<f64>) -> Answer {
-        let plan = self.inverse * asked;
+    /// The twist of the rates `beside` that are not planar, with the planar rates that solve the normal equations with
+    /// this right-hand side.
+    fn twist(&self, beside: &Row, right: Vector3<f64>) -> TwistDerivative {
+        let plan = self.inverse * right;
         std::array::from_fn(|c| beside[c] + Vector3::from(self.suspension.spread[c]).dot(&plan))
     }
 
-    /// The same where the rates beside it, and the turning of a steering joint, move the contacts.
-    fn answer(&self, beside: &Row, swivelled: Option<usize>) -> Answer {
-        let mut asked = Vector3::zeros();
+    /// The twist of the rates `beside` that are not planar, where these rates and a unit rate of the steering joint
+    /// `swivelled` move the contacts.
+    fn driven_twist(&self, beside: &Row, swivelled: Option<usize>) -> TwistDerivative {
+        let mut right = Vector3::zeros();
         for rows in self.rows.iter().flatten() {
             let swivels = swivelled.is_some() && rows.steering == swivelled;
             for i in 0..3 {
                 let swivel = if swivels { rows.swivel[i] } else { 0.0 };
                 let parts = rows.directions[i].iter().zip(beside).map(|(part, rate)| part * rate);
                 let moved = parts.sum::<f64>() + swivel;
-                asked -= rows.plan[i] * (rows.shares[i] * moved);
+                right -= rows.plan[i] * (rows.shares[i] * moved);
             }
         }
-        self.moved(beside, asked)
+        self.twist(beside, right)
     }
 }

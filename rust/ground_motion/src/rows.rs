@@ -9,7 +9,7 @@ mod traction;
 mod two_link_chain;
 mod wheel_command;
 
-pub use forward::{Movings, ReadingRows, forward_rows};
+pub use forward::{BodyMotions, ReadingRows, forward_rows};
 pub use inverse::{Commands, inverse_rows};
 pub use prepared::Prepared;
 pub use slip::{SlipInput, Slips, slip_rows};

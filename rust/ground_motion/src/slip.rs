@@ -1,25 +1,25 @@
-//! Slip of the whole rover.
+//! Test for slip of the whole rover: a chi-squared test of the difference of two estimates of its motion.
 
 use nalgebra::{SMatrix, SVector};
 
 use six_wheel_numerics::error::{Error, number};
 
-/// Largest length of a motion.
+/// Largest number of components of a motion.
 pub const LARGEST: usize = 6;
 
-/// Test of two estimates of a motion: they differ by more than their noise.
+/// Result of the test whether two estimates of a motion differ by more than their noise.
 #[derive(Clone, Copy, Debug)]
 pub struct SlipTest {
-    /// Squared distance in the metric of the covariance.
+    /// Squared Mahalanobis distance `slipᵀ covariance⁻¹ slip`.
     pub statistic: f64,
-    /// Value that the statistic of a rover without slip stays below, but for the false alarms.
+    /// Value that the statistic exceeds with the rate of false alarms, for a rover without slip.
     pub threshold: f64,
-    /// Probability that one that does not slip is as far off.
+    /// Probability that the statistic of a rover without slip is at least as large.
     pub probability: f64,
 }
 
 impl SlipTest {
-    /// Of a navigated motion less a kinematic one, with the covariance of the difference (`n * n`, row by row).
+    /// The test of `slip`, a navigated motion less a kinematic one, with its covariance (`n * n`, row by row).
     /// Fails unless that is positive definite and the rate of false alarms between 0 and 1.
     pub fn new(slip: &[f64], covariance: &[f64], false_alarm: f64) -> Result<Self, Error> {
         let length = slip.len();
@@ -49,7 +49,7 @@ impl SlipTest {
     }
 }
 
-/// Probability that a chi-squared number of this many degrees of freedom is larger: the regularised upper
+/// Probability that a chi-squared variable with these degrees of freedom is larger than `value`: the regularised upper
 /// incomplete gamma function, by its series below `a + 1` and by Lentz's continued fraction above.
 ///
 /// (W. Press et al., Numerical Recipes, 3rd ed., 6.2; M. Abramowitz, I. Stegun, 6.5.29 and 6.5.31.)
@@ -61,7 +61,7 @@ fn survival(degrees: usize, value: f64) -> f64 {
     if x <= 0.0 {
         return 1.0;
     }
-    // Gamma of halves: from 1/2 or 1 upwards.
+    // Gamma(degrees / 2) by recurrence from Gamma(1/2) = sqrt(pi) or Gamma(1) = 1.
     let mut gamma = if degrees % 2 == 1 { std::f64::consts::PI.sqrt() } else { 1.0 };
     let mut at = if degrees % 2 == 1 { 0.5 } else { 1.0 };
     while at < a {
@@ -97,7 +97,7 @@ fn survival(degrees: usize, value: f64) -> f64 {
     front * fraction
 }
 
-/// Value that a chi-squared number exceeds with this probability, by bisection.
+/// Value that a chi-squared variable exceeds with this probability, by bisection.
 fn quantile(degrees: usize, probability: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while survival(degrees, high) > probability {

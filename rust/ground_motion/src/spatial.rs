@@ -1,9 +1,9 @@
 //! Dead reckoning in space: a rover on ground, its attitude from an IMU or from the ground it stands on.
 //!
-//! The motion of a step is that of [`crate`]: wheels on a map, or on ground of which the joints alone tell
-//! ([`crate::Unmapped`]). It is held as one screw, `exp` of SE(3). Roll and pitch that were measured are taken as
-//! they are at both ends, and their error does not add up; the yaw comes from the wheels, a gyroscope or the
-//! attitude's own. On a map the rover stands where it settles: z, roll and pitch follow x, y and yaw.
+//! The motion of a step is that of [`crate`]: wheels on a map, or on ground without one, where the contacts follow from
+//! the joint angles ([`crate::Unmapped`]). A step is one screw, `exp` of SE(3). Measured roll and pitch are used at
+//! both ends as read, so their errors do not add up; the yaw comes from the wheels, a gyroscope or the yaw of the
+//! attitude. On a map the rover stands where it settles: z, roll and pitch are functions of x, y and yaw.
 //!
 //! On flat ground, for a rover that stands level, all of it is [`six_wheel_odometry::Odometry`].
 
@@ -38,15 +38,16 @@ pub use state::Pose3;
 use state::{Fixed, PoseMeasurement3, State, StepReadings3};
 pub use whole_logs::TrackRows3;
 
-/// Dead reckoning of one rover on ground: its pose, its motion, and how far they may be off.
+/// Dead reckoning of one rover on ground: its pose, its motion, and their covariances.
 #[derive(Clone, Debug)]
 pub struct Odometry3 {
     fixed: Fixed,
-    /// The sample from which the next one counts.
+    /// The sample at which the next step begins.
     reference: Option<Read>,
     state: State,
-    /// Of the last step.
+    /// Errors of the last step's displacement.
     noise: StepNoise,
+    /// Slip of every wheel along its rim and to its left over the last step [m/s].
     slip: [[f64; 2]; MAX_WHEELS],
     health: Health,
     history: History<StepReadings3, State, PoseMeasurement3>,
@@ -96,7 +97,7 @@ impl Odometry3 {
         self.state.pose()
     }
 
-    /// Mean twist over the last step, in axes of the body: `vx, vy, vz, wx, wy, wz`.
+    /// Mean twist over the last step, in axes of the body: `vx, vy, vz, wx, wy, wz` [m/s, rad/s].
     pub fn twist(&self) -> [f64; 6] {
         self.state.twist
     }
@@ -106,8 +107,8 @@ impl Odometry3 {
         self.state.errors.reported().into()
     }
 
-    /// Covariance of the twist over the last step; variances are infinite where no step has been made since the first
-    /// sample or a pose from outside.
+    /// Covariance of the twist over the last step; its variances are infinite before the first step after a first
+    /// sample or a pose that was set.
     pub fn twist_covariance(&self) -> [[f64; 6]; 6] {
         let rate = 1.0 / self.history.last_duration().powi(2);
         if rate == f64::INFINITY {
@@ -133,8 +134,8 @@ impl Odometry3 {
         self.reference.map(|read| read.stamp)
     }
 
-    /// Goes on from this pose; the readings count on from the last sample. Roll and pitch that are measured, and z,
-    /// roll and pitch that follow from a map, are those, whatever the pose says. On failure nothing has changed.
+    /// Sets the pose; the next step begins at the last sample. Measured roll and pitch, and on a map z, roll and pitch
+    /// of the settled pose, replace those given here. On failure nothing has changed.
     pub fn set_pose(&mut self, pose: Pose3, covariance: [[f64; 6]; 6]) -> Result<(), Error> {
         check_pose(&pose.numbers())?;
         let covariance = state::check_covariance(covariance, false)?;
@@ -147,7 +148,7 @@ impl Odometry3 {
         Ok(())
     }
 
-    /// Starts over from a pose: the next sample is a first one. On failure nothing has changed.
+    /// Resets to a pose: the next sample is a first one. On failure nothing has changed.
     pub fn start_over(&mut self, pose: Pose3, covariance: [[f64; 6]; 6]) -> Result<(), Error> {
         check_pose(&pose.numbers())?;
         let covariance = state::check_covariance(covariance, false)?;
@@ -160,16 +161,16 @@ impl Odometry3 {
         Ok(())
     }
 
-    /// Takes in a sample. On failure nothing has changed.
+    /// Updates the state by a sample. On failure nothing has changed.
     pub fn update(&mut self, sample: Sample3<'_>) -> Result<Health, Error> {
-        self.take(sample).map_err(|refusal| refusal.error)
+        self.update_or_refuse(sample).map_err(|refusal| refusal.error)
     }
 
-    fn take(&mut self, sample: Sample3<'_>) -> Result<Health, Refusal> {
+    fn update_or_refuse(&mut self, sample: Sample3<'_>) -> Result<Health, Refusal> {
         self.history.make_room(sample.stamp).map_err(|error| Refusal::new(Health::GOOD, error))?;
         self.check_numbers(&sample)?;
         let Some(before) = self.reference else {
-            return self.take_first(&sample);
+            return self.update_first(&sample);
         };
         let dt = sample.stamp - before.stamp;
         Refusal::unless_later(dt, sample.stamp, before.stamp)?;
@@ -193,8 +194,8 @@ impl Odometry3 {
         Ok(self.health)
     }
 
-    /// The sample from which the next one counts.
-    fn take_first(&mut self, sample: &Sample3<'_>) -> Result<Health, Refusal> {
+    /// Makes a sample the reference of the next step.
+    fn update_first(&mut self, sample: &Sample3<'_>) -> Result<Health, Refusal> {
         let mut angles = [0.0; MAX_WHEELS];
         self.fixed.settings.common.first_angles(sample.steering, &mut angles);
         let read = Read::of(sample, angles);
@@ -243,7 +244,8 @@ impl Odometry3 {
         finite("joints", joints).map_err(missing)
     }
 
-    /// Rotations of wheels and angles of steering joints since the reference [rad]; true if a counter started over.
+    /// Rotations of the wheels since the reference, and angles of the steering joints [rad]; true if a counter was
+    /// reset.
     fn difference(&self, sample: &Sample3<'_>, before: &Read, dt: f64) -> ([f64; MAX_WHEELS], [f64; MAX_WHEELS], bool) {
         let settings = &self.fixed.settings.common;
         let (mut turned, mut angles) = ([0.0; MAX_WHEELS], before.angles);
@@ -256,7 +258,7 @@ impl Odometry3 {
         (turned, angles, wrapped)
     }
 
-    /// Fails if the rover would have moved faster than it can.
+    /// Fails if the readings mean a motion faster than the rover's limits.
     fn check_jump(
         &self,
         turned: &[f64; MAX_WHEELS],

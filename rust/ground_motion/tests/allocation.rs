@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use six_wheel_ground_motion::spatial::{Attitude, Odometry3, Sample3, Settings3};
 use six_wheel_ground_motion::{
-    Command, Commands, Drives, Driving, Lift, Movings, Prepared, ReadingRows, SettledPoseInput, SettledPoses, Turns,
-    forward_rows, inverse_rows, traction_rows,
+    BodyMotions, Command, Commands, Drives, Driving, Lift, Prepared, ReadingRows, SettledPoseInput, SettledPoses,
+    Turns, forward_rows, inverse_rows, traction_rows,
 };
 use six_wheel_kinematics::admissible::Keep;
 use six_wheel_kinematics::batch::{self, Fits};
@@ -186,8 +186,8 @@ fn rows_of_motion_on_the_ground_take_no_memory() -> Result<(), Error> {
                 angular_velocity: None,
                 weights: None,
             };
-            let movings = Movings { twists: &mut twists, joint_rates: &mut joint_rates, residuals: &mut residuals };
-            forward_rows(&chain, &prepared, &footings, &readings, movings, workers)
+            let motions = BodyMotions { twists: &mut twists, joint_rates: &mut joint_rates, residuals: &mut residuals };
+            forward_rows(&chain, &prepared, &footings, &readings, motions, workers)
         });
         let driven = taken(|| {
             let driving = Driving {

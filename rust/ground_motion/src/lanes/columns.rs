@@ -7,7 +7,7 @@ use six_wheel_numerics::simd::polynomials::{angle, direction};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::lanes::{Column, LARGEST_TURN, MOST, Turned, all};
 
-/// Rows that are worked on together, from `first` on.
+/// Consecutive rows, one per lane: `count` rows from row `first` on.
 #[derive(Clone, Copy)]
 pub(crate) struct Span {
     pub first: usize,
@@ -53,7 +53,7 @@ impl Span {
         lanes
     }
 
-    /// One number of each of these rows, or the one that all have.
+    /// One number of each of these rows; a single value stands for every row.
     pub fn one<S: Vector>(self, simd: S, values: &[f64]) -> Lanes<S> {
         match values {
             [value] => all(simd, *value),
@@ -70,7 +70,7 @@ impl Span {
         }
         let whole = self.count == S::F64_LANES;
         if W > 1 && whole && rows.len() >= S::F64_LANES * width + MOST {
-            // The last columns first: what goes past the end of a row is written once more.
+            // The last columns first: numbers stored past the end of a row are overwritten by the next store.
             for first in (0..width.min(W)).step_by(MOST).rev() {
                 let mut eight = [lanes[0]; MOST];
                 for (column, lanes) in eight.iter_mut().zip(&lanes[first..]) {
@@ -92,7 +92,7 @@ impl Span {
         }
     }
 
-    /// Writes the first `width` of the lowest bits of whole numbers, likewise.
+    /// Writes the lowest `width` bits of whole numbers as flags, a row of them per lane.
     pub fn flags<S: Vector>(self, bits: Lanes<S>, width: usize, rows: &mut [bool]) {
         let rows = &mut rows[self.first * width..][..self.count * width];
         let column = Column::of(bits);
@@ -157,19 +157,20 @@ pub(crate) fn inverse_length<S: Vector>(simd: S, square: Lanes<S>) -> Lanes<S> {
     inverse
 }
 
-/// A plane vector in polar form, forwards: half a turn from its direction where it points backwards.
+/// A plane vector in polar form with an angle of at most a quarter turn: a vector that points backwards has the
+/// direction opposite to it, and its sign bit is set.
 #[derive(Clone, Copy)]
 pub(crate) struct Polar<S: Simd> {
     pub length: Lanes<S>,
     /// The sign bit where it points backwards.
     pub sign: Lanes<S>,
-    /// Sine and cosine of the angle, which is a quarter turn at most; those of no angle where the vector is 0.
+    /// Sine and cosine of the angle, which is a quarter turn at most; sine 0 and cosine 1 where the vector is 0.
     pub turned: Turned<S>,
     /// Lanes in which the vector is 0.
     pub is_zero: Mask<S>,
 }
 
-/// A vector ahead and to the left in polar form.
+/// A vector, given by its parts ahead and to the left, in polar form.
 #[inline(always)]
 pub(crate) fn polar<S: Vector>([mut ahead, mut left]: [Lanes<S>; 2]) -> Polar<S> {
     let simd = ahead.simd();

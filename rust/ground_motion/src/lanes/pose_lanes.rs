@@ -8,7 +8,7 @@ use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all, dot};
 use six_wheel_terrain::suspension::{Chain, Joint, MAX_FREE, MAX_WHEELS};
 
-/// A wheel further than this from the ground hangs [m]: a thousand times what settling leaves.
+/// A wheel farther than this from the ground is in the air [m]: a thousand times the residual of settling.
 const HANGING: f64 = 1e-6;
 
 /// A free angle nearer than this to its stop is at it [rad].
@@ -24,8 +24,8 @@ pub(crate) struct Touching<S: Vector> {
     pub wheels: [Lanes<S>; MAX_WHEELS],
     /// True if all wheels touch in every lane.
     pub all: bool,
-    /// Lanes in which none touches.
-    pub nowhere: Mask<S>,
+    /// Lanes in which no wheel touches.
+    pub none: Mask<S>,
 }
 
 impl<S: Vector> Touching<S> {
@@ -45,18 +45,18 @@ impl<S: Vector> Touching<S> {
 
 /// Settled poses, a row in every lane.
 pub(crate) struct PoseLanes<S: Vector> {
-    /// Of roll and pitch.
+    /// Sines and cosines of roll and pitch.
     pub roll: Turned<S>,
     pub pitch: Turned<S>,
     /// Free angles, less whole turns of those beyond [`super::columns::wrap_far`] [rad].
     pub joints: [Lanes<S>; MAX_FREE],
     /// Angles of the steering joints [rad].
     pub steering: [Lanes<S>; MAX_WHEELS],
-    /// True if one of them is not 0.
+    /// True if any steering angle is not 0.
     pub steers: bool,
-    /// Of the contact angles.
+    /// Sines and cosines of the contact angles.
     pub at: [Turned<S>; MAX_WHEELS],
-    /// Of the ground, in the body.
+    /// Unit normals of the ground at the wheels, in the body.
     pub normals: [Vectors<S>; MAX_WHEELS],
     pub touching: Touching<S>,
     /// 1 where a joint is at a stop.
@@ -78,7 +78,7 @@ impl<S: Vector> PoseLanes<S> {
             steers: false,
             at: [(zero, one); MAX_WHEELS],
             normals: [[zero; 3]; MAX_WHEELS],
-            touching: Touching { wheels: [zero; MAX_WHEELS], all: true, nowhere: Mask::splat(simd, true) },
+            touching: Touching { wheels: [zero; MAX_WHEELS], all: true, none: Mask::splat(simd, true) },
             stopped: [zero; MAX_FREE],
             any_stopped: false,
         }
@@ -109,17 +109,17 @@ impl<S: Vector> PoseLanes<S> {
         }
     }
 
-    /// Reads gaps, contact angles and normals. Returns the lanes in which a wheel hangs.
+    /// Reads gaps, contact angles and normals. Returns the lanes in which a wheel is in the air.
     fn read_contacts(&mut self, simd: S, chain: &Chain, source: &PoseSource<'_>, axes: [Vectors<S>; 3]) -> Mask<S> {
         let (zero, one, hanging) = (all(simd, 0.0), all(simd, 1.0), all(simd, HANGING));
         let mut hangs = Mask::splat(simd, false);
-        (self.touching.all, self.touching.nowhere) = (true, Mask::splat(simd, true));
+        (self.touching.all, self.touching.none) = (true, Mask::splat(simd, true));
         for wheel in 0..chain.wheels().len().min(MAX_WHEELS) {
             let (gap, at, upwards) = source.contact(simd, wheel);
             let touches = gap.abs().le(hanging);
             self.touching.wheels[wheel] = touches.select(one, zero);
             self.touching.all &= touches.all();
-            self.touching.nowhere = self.touching.nowhere & !touches;
+            self.touching.none = self.touching.none & !touches;
             hangs = hangs | hanging.lt(gap);
             self.at[wheel] = at;
             let normal = match upwards {
@@ -132,7 +132,7 @@ impl<S: Vector> PoseLanes<S> {
         hangs
     }
 
-    /// The free angles at their stops: none unless a wheel hangs.
+    /// Finds the free angles at their stops: there are none unless a wheel is in the air.
     fn find_stops(&mut self, simd: S, joints: &[Joint], angles: [Lanes<S>; MAX_FREE], hangs: Mask<S>) {
         self.any_stopped = false;
         if !hangs.any() {

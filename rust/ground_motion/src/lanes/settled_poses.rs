@@ -8,17 +8,17 @@ use six_wheel_terrain::ground::{CONTACT, NUMBERS, Stand};
 use six_wheel_terrain::suspension::lanes::{MOST, Turned, Vectors, all};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS};
 
-/// Registers of settled poses between those that are read and those that are fetched.
+/// Distance between the poses that are read and those that are prefetched, in registers.
 const AHEAD: usize = 2;
 
 /// Settled poses, row after row.
 #[derive(Clone, Copy, Debug)]
 pub enum SettledPoses<'a> {
-    /// As they have settled.
+    /// Results of settling.
     Settled {
         /// The settled poses; a single one is every row.
         stands: &'a [Stand],
-        /// Rows x, y, yaw.
+        /// Rows x, y [m], yaw [rad].
         poses: &'a [[f64; 3]],
         /// Steering angles [rad]: none if all are 0, one row, or one per pose.
         steering: &'a [f64],
@@ -48,8 +48,8 @@ pub struct SettledPoseInput<'a> {
     pub gap: &'a [f64],
 }
 
-/// The numbers of one row, eight and eight, as they are turned into columns: roll, pitch, yaw and the free angles [rad];
-/// of every wheel its gap [m], sine and cosine of its contact angle, and the normal of the ground.
+/// The numbers of one row in groups of eight, the unit of the transposition into lanes: roll, pitch, yaw and the free
+/// angles [rad]; then of every wheel its gap [m], sine and cosine of its contact angle, and the normal of the ground.
 type PoseRow = [[f64; MOST]; 1 + MAX_WHEELS];
 
 /// The numbers of as many rows as there are lanes at most.
@@ -61,7 +61,7 @@ impl LaneGather {
         Self([[[0.0; MOST]; 1 + MAX_WHEELS]; MOST])
     }
 
-    /// Eight columns of them.
+    /// Group `part` of eight numbers of each row, transposed into lanes.
     #[inline(always)]
     fn columns<S: Vector>(&self, simd: S, part: usize) -> [Lanes<S>; MOST] {
         let rows = self.0.as_flattened().as_flattened();
@@ -105,14 +105,14 @@ pub(super) enum PoseSource<'a> {
     Input(&'a LaneGather),
 }
 
-/// Direction of the ground's normal, in the world.
+/// The ground's normal in the world, as it was given.
 pub(super) enum NormalSource<S: Vector> {
     Normal(Vectors<S>),
-    /// Derivatives of its height.
+    /// Derivatives of the ground's height by x and y.
     Slopes([Lanes<S>; 2]),
 }
 
-/// Eight numbers of each from the same one on.
+/// Eight consecutive numbers of each row, from number `first` on.
 #[inline(always)]
 fn eights<'a>(numbers: &[&'a [f64; NUMBERS]; MOST], first: usize) -> [&'a [f64; MOST]; MOST] {
     let mut eights = [&[0.0; MOST]; MOST];
@@ -174,7 +174,7 @@ impl<'a> PoseSource<'a> {
         }
     }
 
-    /// Gap and contact angle of a wheel, and where the ground faces.
+    /// Gap [m] and contact angle of a wheel, and the normal of the ground.
     pub fn contact<S: Vector>(&self, simd: S, wheel: usize) -> (Lanes<S>, Turned<S>, NormalSource<S>) {
         match self {
             Self::Settled(_, numbers) => {

@@ -8,7 +8,7 @@ use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 /// Columns of the planar motion: `vx, vy, wz`.
 pub(crate) const PLAN: [usize; 3] = [0, 1, 5];
 
-/// Rates that the ground decides: `vz, wx, wy` and the free angles.
+/// Columns of the rates that follow from the ground: `vz, wx, wy` and the rates of the free angles.
 pub(crate) const FOLLOWING: [usize; 3 + MAX_FREE] = [2, 3, 4, 6, 7, 8];
 
 /// Most unknowns: rates that follow the ground.
@@ -20,13 +20,13 @@ pub(crate) const UNKNOWNS: usize = FOLLOWING.len();
 pub(crate) struct PivotOrder {
     /// The wheels, in the order of the rates.
     pub wheels: [usize; UNKNOWNS],
-    /// Bits of the equations after one's own that have a rate, when those before it are gone.
+    /// Bits of the later equations that contain a rate, once the rates before it are eliminated.
     pub others: [u32; UNKNOWNS],
 }
 
 impl PivotOrder {
-    /// Of the vertical velocities of all wheels on level ground per rate, and bits of the rates that move each. None where
-    /// two rates do the same there.
+    /// The order for `rise`, the vertical velocities of all wheels on level ground per rate, and `bits`, the rates that
+    /// move each wheel. None where two rates have proportional columns there.
     pub fn new(rise: [[f64; UNKNOWNS]; UNKNOWNS], bits: [u32; UNKNOWNS]) -> Option<Self> {
         let mut rows: [_; UNKNOWNS] = std::array::from_fn(|wheel| (wheel, rise[wheel]));
         let mut others = [0; UNKNOWNS];
@@ -60,26 +60,27 @@ pub(crate) struct MotionConstants {
     /// Number of wheels, and of free angles.
     pub wheels: usize,
     pub joints: usize,
-    /// Of every wheel [m].
+    /// Radius of every wheel [m].
     pub radii: [f64; MAX_WHEELS],
-    /// The free angles, those first that move few wheels.
+    /// The free angles by the number of wheels that they move, fewest first.
     order: [usize; MAX_FREE],
     /// Bits of the free angles that may move each wheel.
     moved: [u32; MAX_WHEELS],
     /// None unless there are as many rates as wheels.
     pub pivot_order: Option<PivotOrder>,
-    /// Bits of the steering joints the centres of whose wheels lie about the axis: then their mean moves as the axis does.
+    /// Bits of the steering joints on whose axis the mean of their wheels' centres lies: that mean moves as the axis
+    /// does.
     centred: u32,
 }
 
 impl MotionConstants {
-    /// Of any chain with these numbers of wheels and free angles: each free angle may move every wheel.
+    /// Constants of any chain with these numbers of wheels and free angles: each free angle may move every wheel.
     pub fn dense(wheels: usize, joints: usize, radii: [f64; MAX_WHEELS]) -> Self {
         let order = std::array::from_fn(|joint| joint);
         Self { wheels, joints, radii, order, moved: [u32::MAX; MAX_WHEELS], pivot_order: None, centred: 0 }
     }
 
-    /// Of a chain.
+    /// Constants of a chain.
     pub fn new(chain: &Chain) -> Self {
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
         let mut radii = [1.0; MAX_WHEELS];
@@ -104,7 +105,7 @@ impl MotionConstants {
         constants
     }
 
-    /// The elimination order: of the free angles in theirs, then of the body's vz, wx and wy.
+    /// The elimination order: the free angles in the order of [`Self::order`], then the body's vz, wx and wy.
     fn level_pivots(&self, chain: &Chain) -> Option<PivotOrder> {
         let level = in_body(chain, &[], &[])?;
         let joints = self.order().iter().map(|joint| 6 + joint);
@@ -120,17 +121,17 @@ impl MotionConstants {
         PivotOrder::new(std::array::from_fn(rise), std::array::from_fn(bits))
     }
 
-    /// The free angles, those first that move few wheels.
+    /// The free angles by the number of wheels that they move, fewest first.
     pub fn order(&self) -> &[usize] {
         &self.order[..self.joints.min(MAX_FREE)]
     }
 
-    /// True if the centres of the wheels of a steering joint lie about its axis.
+    /// True if the mean of the centres of a steering joint's wheels lies on its axis.
     pub fn is_centred(&self, joint: usize) -> bool {
         self.centred >> joint & 1 == 1
     }
 
-    /// True if a rate may move a wheel: those of the body do.
+    /// True if a rate may move a wheel; the body's rates move every wheel.
     #[inline(always)]
     pub fn moves(&self, column: usize, wheel: usize) -> bool {
         column < 6 || self.moved[wheel % MAX_WHEELS] >> (column - 6) & 1 == 1

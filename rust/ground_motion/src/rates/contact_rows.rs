@@ -16,9 +16,10 @@ pub(crate) type Row<S> = [Lanes<S>; COLUMNS];
 /// Velocity of a wheel's touching point along the normal, along the rim and to the left [m/s], as a function of the rates.
 #[derive(Clone, Copy)]
 pub(crate) struct Contact<S: Vector> {
-    /// By the rates. Along the rim that is `v_c . T - r w . axle`: the rim of a wheel that does not turn against its link.
+    /// Derivatives by the rates. Along the rim of `v_c . T - r w . axle`, the velocity of a wheel that does not turn
+    /// against its link.
     pub rows: [Row<S>; 3],
-    /// The same that the rate of its own steering adds [m/s].
+    /// Velocities that the rate of the wheel's own steering adds [m/s].
     pub swivel: [Lanes<S>; 3],
 }
 
@@ -97,18 +98,18 @@ pub(crate) fn steering_velocity<S: Vector>(
     slopes_about(upwards, less(point, pivot), &directions)
 }
 
-/// The sign bit where the side of the rim that touches is the far one, seen from the plane on which it stands, of a wheel
-/// with the plane's normal along its forward and upward axes: that of a wheel that leans far, on the edge of something
-/// steeper than it.
+/// The sign bit where the touching point is on the far side of the rim, seen from the plane on which the wheel stands:
+/// that of a wheel at an edge steeper than the lean of its disc. The plane's normal is given along the wheel's forward
+/// and upward axes.
 #[inline(always)]
 pub(crate) fn rim_side<S: Vector>([ahead, up]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> Lanes<S> {
     let zero = all(sin.simd(), 0.0);
-    // The spoke points along the normal.
+    // The vector from the centre to the touching point has a positive part along the normal.
     (up * cos).lt(ahead * sin).select(-zero, zero)
 }
 
 /// Sine and cosine of the contact angle of a wheel on a plane, on this side of its rim, from the plane's normal along its
-/// forward and upward axes. A wheel that lies flat touches anywhere.
+/// forward and upward axes; angle 0 where the normal is along the axle.
 #[inline(always)]
 pub(crate) fn angle_on_plane<S: Vector>([ahead, up]: [Lanes<S>; 2], side: Lanes<S>) -> Turned<S> {
     let simd = side.simd();

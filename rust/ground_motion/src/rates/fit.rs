@@ -20,9 +20,9 @@ pub(crate) struct FitInput<'a, S: Vector> {
     pub contacts: &'a Contacts<S>,
     pub touching: &'a Touching<S>,
     pub known: KnownRates<S>,
-    /// Of the wheels [rad/s]; NaN where one was not measured.
+    /// Speeds of the wheels [rad/s]; NaN where one was not measured.
     pub speeds: [Lanes<S>; MAX_WHEELS],
-    /// Of every wheel, or of every wheel's rolling and side slip.
+    /// Weight of every wheel, or two weights per wheel: those of its rolling and of its side slip.
     pub weights: Option<&'a [f64]>,
 }
 
@@ -41,7 +41,8 @@ struct PlanarEquation<S: Vector> {
     weight: Lanes<S>,
 }
 
-/// Fits the planar motion. Right-hand sides of the suspension are 4, but 3 where nothing is known.
+/// Fits the planar motion. `RIGHT` is the number of right-hand sides of the suspension's equations: 3 for the planar
+/// rates, and one more where other rates are known.
 #[inline(always)]
 pub(crate) fn fit<S: Vector, const RIGHT: usize>(
     simd: S,
@@ -90,7 +91,8 @@ struct PlanarProblem<'a, S: Vector> {
 
 #[inline_always]
 impl<S: Vector> PlanarProblem<'_, S> {
-    /// Equation of a wheel by the derivatives of a velocity and what adds to it, empty in the air.
+    /// Equation of a wheel from the derivatives of a velocity and the part `beside` that no rate changes [m/s]; 0 in
+    /// the air.
     fn equation<const RIGHT: usize>(
         &self,
         wheel: usize,
@@ -119,7 +121,7 @@ impl<S: Vector> PlanarProblem<'_, S> {
         ]
     }
 
-    /// Equation of a wheel along the normal, empty where the suspension follows the ground exactly.
+    /// Equation of a wheel along the normal; 0 where the suspension follows the ground exactly.
     fn lifting_equation<const RIGHT: usize>(&self, simd: S, wheel: usize, exactly: Mask<S>) -> PlanarEquation<S> {
         let [roll, side] = weights(self.input.weights, self.constants.wheels, wheel);
         let Contact { rows, swivel } = &self.input.contacts[wheel];
@@ -143,18 +145,19 @@ impl<S: Vector> PlanarProblem<'_, S> {
             normal.add(roll.columns, roll.left, roll.weight);
             normal.add(side.columns, side.left, side.weight);
         }
-        // The equations along the normals come last, so that lanes without them have the bits of a batch without them.
+        // The equations along the normals come last, so that lanes without them have the same bits as a batch without
+        // them.
         if (!exactly).any() {
             for wheel in 0..wheels {
                 let lift = self.lifting_equation::<RIGHT>(simd, wheel, exactly);
                 normal.add(lift.columns, lift.left, lift.weight);
             }
         }
-        if let KnownRate::Somewhere(here, _) = self.input.known[PLAN[2]] {
+        if let KnownRate::KnownWhere(here, _) = self.input.known[PLAN[2]] {
             normal.set_last_known(here);
         }
         let (mut plan, accurate) = normal.solve(simd);
-        let determined = self.suspension.determined & !self.input.touching.nowhere;
+        let determined = self.suspension.determined & !self.input.touching.none;
         let others = determined & !accurate;
         if others.any() {
             let mut triangle = PlanarTriangle::new(simd);

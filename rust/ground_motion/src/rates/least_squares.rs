@@ -27,7 +27,7 @@ const RANK_TOLERANCE: f64 = 1e-8;
 /// Least square of the shortest column over that of the longest one, for elimination.
 const COLUMN_TOLERANCE: f64 = 1e-10;
 
-/// Most of a pivot's equation that elimination subtracts from another one.
+/// Largest multiplier of a pivot's equation in elimination.
 const PIVOT_GROWTH_LIMIT: f64 = 64.0;
 
 /// Solutions for all right-hand sides, one row per unknown, and the lanes in which the equations determine them.
@@ -36,7 +36,7 @@ pub(crate) type Solution<S, const RIGHT: usize> = ([[Lanes<S>; RIGHT]; UNKNOWNS]
 /// Equations in least squares, most of them of a few of the unknowns only.
 pub(crate) struct DenseLeastSquares<S: Vector> {
     rows: [Equation<S>; EQUATIONS],
-    /// Bits of the unknowns that an equation may be of.
+    /// Bits of the unknowns whose coefficients in an equation may differ from 0.
     bits: [u32; EQUATIONS],
     count: usize,
 }
@@ -52,7 +52,7 @@ impl<S: Vector> DenseLeastSquares<S> {
         self.count = 0;
     }
 
-    /// One more equation, of these unknowns; the caller writes all of it.
+    /// One more equation in these unknowns (bits); the caller writes all of its numbers.
     pub fn add(&mut self, bits: u32) -> &mut Equation<S> {
         let place = self.count % EQUATIONS;
         self.count += 1;
@@ -60,7 +60,7 @@ impl<S: Vector> DenseLeastSquares<S> {
         &mut self.rows[place]
     }
 
-    /// Empties the equations of wheels in the air, of which the first `width` numbers are filled.
+    /// Sets the first `width` numbers of the equations of wheels in the air to 0.
     pub fn limit(&mut self, simd: S, constants: &MotionConstants, touching: &Touching<S>, width: usize) {
         if touching.all {
             return;
@@ -168,8 +168,8 @@ impl<S: Vector> DenseLeastSquares<S> {
         (solution, (all(simd, DEPENDENT) * most).lt(least))
     }
 
-    /// Reflects those of the equations that are left and have unknown `j`, so that only the first of them has it. Returns
-    /// that equation and its new coefficient; None if there is no such equation.
+    /// Householder reflection of the equations in `left` (bits) that contain unknown `j`: afterwards only the first of
+    /// them contains it. Returns that equation and its new coefficient; None if no equation contains it.
     fn reflect<const RIGHT: usize>(&mut self, simd: S, j: usize, used: usize, left: u32) -> Option<(usize, Lanes<S>)> {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let (mut of, mut count, mut bits) = ([0; EQUATIONS], 0, 0);
@@ -223,7 +223,7 @@ const UPRIGHT: f64 = 1e-3;
 /// Normal equations of the planar motion.
 #[derive(Clone, Copy)]
 pub(crate) struct NormalEquations<S: Vector> {
-    /// On and above the diagonal, row after row.
+    /// Entries on and above the diagonal, row after row.
     cells: [Lanes<S>; 6],
     right: [Lanes<S>; 3],
 }
@@ -249,7 +249,7 @@ impl<S: Vector> NormalEquations<S> {
         }
     }
 
-    /// Sets the last rate to 0 in lanes where this is 1 and its column empty.
+    /// Sets the last rate to 0 in lanes where `here` is 1 and its column 0.
     pub fn set_last_known(&mut self, here: Lanes<S>) {
         self.cells[5] = self.cells[5] + here;
     }
@@ -306,7 +306,7 @@ impl<S: Vector> PlanarTriangle<S> {
         }
     }
 
-    /// The shortest motion in least squares, in these lanes; the given one in the others.
+    /// The least-squares motion of least length in these lanes; the given motion in the others.
     pub fn solve(&self, simd: S, lanes: Mask<S>, motion: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let wanted = lanes.booleans();
         let (mut solution, mut cells) = ([Column::ZERO; 3], [[Column::ZERO; 4]; 3]);

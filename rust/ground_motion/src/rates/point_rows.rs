@@ -22,8 +22,8 @@ pub(crate) fn in_body<'a>(chain: &'a Chain, joints: &[f64], steering: &[f64]) ->
 /// Derivatives of a velocity by the rates.
 pub type Row = [f64; COLUMNS];
 
-/// The velocities along some directions of a point of a wheel's carrier, of a chain in the axes of its body: by the rates, and
-/// by the rate of the wheel's own steering [m/rad].
+/// Derivatives of the velocities along some directions of a point that moves with the link of a wheel, of a chain in
+/// the axes of its body: by the rates, and by the rate of the wheel's own steering [m/rad].
 pub(crate) fn point_rows<const N: usize>(
     placed: &Placed<'_>,
     wheel: usize,

@@ -10,45 +10,45 @@ use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::MAX_WHEELS;
 use six_wheel_terrain::suspension::lanes::all;
 
-/// A rate in lanes, as far as it is known.
+/// A rate in lanes: unknown, known, or known in some lanes.
 #[derive(Clone, Copy)]
 pub(crate) enum KnownRate<S: Vector> {
-    /// In no lane.
-    Nowhere,
-    /// In every lane.
-    Everywhere(Lanes<S>),
-    /// 1 where it is known, and 0 or its value.
-    Somewhere(Lanes<S>, Lanes<S>),
+    /// Unknown in every lane.
+    Unknown,
+    /// Its value, known in every lane.
+    Known(Lanes<S>),
+    /// 1 in lanes in which it is known, else 0; and its value there, else 0.
+    KnownWhere(Lanes<S>, Lanes<S>),
 }
 
-/// Everything that is known of the rates.
+/// The known rates.
 pub(crate) type KnownRates<S> = [KnownRate<S>; COLUMNS];
 
 #[inline_always]
 impl<S: Vector> KnownRate<S> {
     fn value(&self, zero: Lanes<S>) -> Lanes<S> {
         match *self {
-            Self::Nowhere => zero,
-            Self::Everywhere(value) | Self::Somewhere(_, value) => value,
+            Self::Unknown => zero,
+            Self::Known(value) | Self::KnownWhere(_, value) => value,
         }
     }
 
     /// 1 in lanes in which it is not known.
     fn unknown(&self, simd: S) -> Lanes<S> {
         match *self {
-            Self::Nowhere => all(simd, 1.0),
-            Self::Everywhere(_) => all(simd, 0.0),
-            Self::Somewhere(here, _) => all(simd, 1.0) - here,
+            Self::Unknown => all(simd, 1.0),
+            Self::Known(_) => all(simd, 0.0),
+            Self::KnownWhere(here, _) => all(simd, 1.0) - here,
         }
     }
 }
 
 /// Rates as a function of the planar ones: `offset + spread . plan`.
 pub(crate) struct SuspensionRates<S: Vector> {
-    /// Columns that are not zero but for those of the plan itself.
+    /// Columns of the rates that are solved for: those that are not planar and not known in every lane.
     pub unknown: [usize; UNKNOWNS],
     pub count: usize,
-    /// By the planar rates, for each unknown column.
+    /// Derivatives by the planar rates, for each unknown column.
     pub spread: [[Lanes<S>; 3]; UNKNOWNS],
     /// 1 where a planar rate is not known.
     pub free: [Lanes<S>; 3],
@@ -90,7 +90,7 @@ impl<S: Vector> SuspensionRates<S> {
         // Unknowns that few wheels share are eliminated first: this adds few non-zero entries to the rows of the others.
         let joints = constants.order().iter().map(|joint| 6 + joint);
         for column in joints.chain(FOLLOWING.into_iter().take(3)) {
-            if !matches!(known[column % COLUMNS], KnownRate::Everywhere(_)) {
+            if !matches!(known[column % COLUMNS], KnownRate::Known(_)) {
                 rates.unknown[rates.count % UNKNOWNS] = column;
                 rates.count += 1;
             }
@@ -109,8 +109,9 @@ impl<S: Vector> SuspensionRates<S> {
         rates
     }
 
-    /// The unknown columns, by elimination where all wheels touch, nothing is known and the pivots are good, else by
-    /// reflections. Each lane takes its own way, whatever its neighbours are.
+    /// Solves for the unknown columns: by elimination where all wheels touch, no rate is known and the pivots are
+    /// large, else by reflections. The choice is made lane by lane, so that a row's bits do not depend on its
+    /// neighbours.
     fn solve<const RIGHT: usize>(
         &self,
         simd: S,
@@ -130,7 +131,7 @@ impl<S: Vector> SuspensionRates<S> {
                 square = square & one.le(*touching);
             }
             for column in unknown {
-                if let KnownRate::Somewhere(here, _) = known[*column] {
+                if let KnownRate::KnownWhere(here, _) = known[*column] {
                     square = square & here.le(zero);
                 }
             }
@@ -143,7 +144,7 @@ impl<S: Vector> SuspensionRates<S> {
                 (solution, eliminated) = (found, square & good);
             }
         }
-        if !(!(eliminated | touching.nowhere)).any() {
+        if !(!(eliminated | touching.none)).any() {
             return (solution, eliminated);
         }
         equations.clear();
@@ -156,7 +157,7 @@ impl<S: Vector> SuspensionRates<S> {
         }
         equations.limit(simd, constants, touching, unknown.len() + RIGHT);
         for (k, column) in unknown.iter().enumerate() {
-            if let KnownRate::Somewhere(here, _) = known[*column] {
+            if let KnownRate::KnownWhere(here, _) = known[*column] {
                 equations.set_known(simd, k, here);
             }
         }
@@ -187,7 +188,7 @@ impl<S: Vector> SuspensionRates<S> {
         if RIGHT != 3 {
             let mut rest = -moved;
             for ((part, value), known) in normal.iter().zip(&self.offset).zip(known) {
-                if !matches!(known, KnownRate::Nowhere) {
+                if !matches!(known, KnownRate::Unknown) {
                     rest = (-*part).mul_add(*value, rest);
                 }
             }

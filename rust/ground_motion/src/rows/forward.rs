@@ -28,20 +28,20 @@ pub struct ReadingRows<'a> {
     pub steering_rates: Option<&'a [f64]>,
     /// Rates of the free angles [rad/s].
     pub joint_rates: Option<&'a [f64]>,
-    /// Of the body about its axes [rad/s].
+    /// Angular velocity of the body in its axes [rad/s].
     pub angular_velocity: Option<&'a [f64]>,
-    /// Of every wheel, the same in all rows.
+    /// Weight of every wheel, or two weights per wheel (rolling, side slip); the same in all rows.
     pub weights: Option<&'a [f64]>,
 }
 
-/// Motions of bodies, row after row: see [`Moving`](super::super::Moving).
+/// Motions of bodies, row after row: see [`BodyMotion`](super::super::BodyMotion).
 #[derive(Debug)]
-pub struct Movings<'a> {
-    /// Of the body [m/s, rad/s].
+pub struct BodyMotions<'a> {
+    /// Twists of the body [m/s, rad/s].
     pub twists: &'a mut [[f64; 6]],
-    /// Of the free angles [rad/s].
+    /// Rates of the free angles [rad/s].
     pub joint_rates: &'a mut [f64],
-    /// Of every wheel [m/s].
+    /// Velocity of every touching point along the normal, the tangent and to the left [m/s]; NaN in the air.
     pub residuals: &'a mut [f64],
 }
 
@@ -51,15 +51,15 @@ pub fn forward_rows(
     prepared: &Prepared,
     poses: &SettledPoses<'_>,
     readings: &ReadingRows<'_>,
-    movings: Movings<'_>,
+    motions: BodyMotions<'_>,
     workers: Workers,
 ) -> Result<(), Error> {
     let (wheels, free) = (chain.wheels().len(), chain.joints().len());
-    let Movings { mut twists, mut joint_rates, mut residuals } = movings;
+    let BodyMotions { mut twists, mut joint_rates, mut residuals } = motions;
     run_rows(chain, prepared, workers, twists.len(), |rows| ForwardRange {
         poses,
         readings,
-        movings: Movings {
+        motions: BodyMotions {
             twists: take(&mut twists, rows),
             joint_rates: take(&mut joint_rates, rows * free),
             residuals: take(&mut residuals, rows * wheels * 3),
@@ -71,7 +71,7 @@ pub fn forward_rows(
 struct ForwardRange<'a> {
     poses: &'a SettledPoses<'a>,
     readings: &'a ReadingRows<'a>,
-    movings: Movings<'a>,
+    motions: BodyMotions<'a>,
 }
 
 impl Rows for ForwardRange<'_> {
@@ -89,7 +89,7 @@ impl Rows for ForwardRange<'_> {
     }
 }
 
-/// Directions of the steering joints.
+/// Directions of the steering joints where they are read, `to`, and where the pose has settled, `from`.
 struct SteeringDirections<S: Vector> {
     to: [Option<Turned<S>>; MAX_WHEELS],
     from: [Option<Turned<S>>; MAX_WHEELS],
@@ -98,7 +98,8 @@ struct SteeringDirections<S: Vector> {
 }
 
 impl InLanes<'_, ForwardRange<'_>> {
-    /// Right-hand sides of the suspension are 4, but 3 where nothing is measured beside the wheels.
+    /// `RIGHT` is the number of right-hand sides of the suspension's equations: 4, or 3 where only wheel speeds are
+    /// measured.
     #[inline(always)]
     fn solve_rows<S: Vector, const RIGHT: usize>(
         &mut self,
@@ -199,11 +200,11 @@ impl InLanes<'_, ForwardRange<'_>> {
         }
     }
 
-    /// Rates that are measured, and those of joints at their stops: they are no unknowns.
+    /// The known rates: those that are measured, and 0 for joints at their stops.
     #[inline(always)]
     fn known_rates<S: Vector>(&self, simd: S, given: Span, poses: &PoseLanes<S>) -> KnownRates<S> {
         let zero = all(simd, 0.0);
-        let mut known = [KnownRate::Nowhere; COLUMNS];
+        let mut known = [KnownRate::Unknown; COLUMNS];
         let free = self.motion.joints.min(MAX_FREE);
         if let Some(turning) = self.range.readings.angular_velocity {
             let turning = given.read::<S, 3>(simd, turning, 3);
@@ -218,16 +219,16 @@ impl InLanes<'_, ForwardRange<'_>> {
             }
         }
         for k in free..MAX_FREE {
-            known[6 + k] = KnownRate::Everywhere(zero);
+            known[6 + k] = KnownRate::Known(zero);
         }
         if poses.any_stopped {
             for k in 0..free {
                 let stopped = zero.lt(poses.stopped[k]);
                 known[6 + k] = match known[6 + k] {
-                    KnownRate::Nowhere => KnownRate::Somewhere(poses.stopped[k], zero),
-                    KnownRate::Everywhere(rate) => KnownRate::Everywhere(stopped.select(zero, rate)),
-                    KnownRate::Somewhere(here, rate) => {
-                        KnownRate::Somewhere(here.max(poses.stopped[k]), stopped.select(zero, rate))
+                    KnownRate::Unknown => KnownRate::KnownWhere(poses.stopped[k], zero),
+                    KnownRate::Known(rate) => KnownRate::Known(stopped.select(zero, rate)),
+                    KnownRate::KnownWhere(here, rate) => {
+                        KnownRate::KnownWhere(here.max(poses.stopped[k]), stopped.select(zero, rate))
                     }
                 };
             }
@@ -248,10 +249,10 @@ impl InLanes<'_, ForwardRange<'_>> {
         let (mut twist, mut rates) = ([all(simd, f64::NAN); 6], [all(simd, f64::NAN); MAX_FREE]);
         twist.copy_from_slice(&found.rates[..6]);
         rates.copy_from_slice(&found.rates[6..]);
-        let movings = &mut self.range.movings;
-        span.write(simd, &twist, 6, movings.twists.as_flattened_mut());
-        span.write(simd, &rates, joints, movings.joint_rates);
-        span.write(simd, &found.residuals, 3 * wheels, movings.residuals);
+        let motions = &mut self.range.motions;
+        span.write(simd, &twist, 6, motions.twists.as_flattened_mut());
+        span.write(simd, &rates, joints, motions.joint_rates);
+        span.write(simd, &found.residuals, 3 * wheels, motions.residuals);
     }
 }
 
@@ -261,10 +262,11 @@ fn measured<S: Vector>(simd: S, rate: Lanes<S>) -> KnownRate<S> {
     let zero = all(simd, 0.0);
     let here = is_number(rate);
     if !here.any() {
-        KnownRate::Nowhere
+        KnownRate::Unknown
     } else {
-        // Even if it is everywhere: a row is not to be solved in another order for what its neighbours know.
+        // Also where every lane has it: the order of operations of a row must not depend on the measurements of its
+        // neighbours.
         let one = all(simd, 1.0);
-        KnownRate::Somewhere(here.select(one, zero), here.select(rate, zero))
+        KnownRate::KnownWhere(here.select(one, zero), here.select(rate, zero))
     }
 }

@@ -27,11 +27,11 @@ use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 pub struct Commands<'a> {
     /// Angles of the steering joints [rad].
     pub steering: &'a mut [f64],
-    /// Of the wheels [rad/s].
+    /// Speeds of the wheels [rad/s].
     pub speeds: &'a mut [f64],
-    /// Of the body [m/s, rad/s].
+    /// Twists of the body [m/s, rad/s].
     pub twists: &'a mut [[f64; 6]],
-    /// Of the free angles [rad/s].
+    /// Rates of the free angles [rad/s].
     pub joint_rates: &'a mut [f64],
     /// Scales of the desired motions, 1 unless a wheel would have been too fast.
     pub scales: &'a mut [f64],
@@ -119,7 +119,7 @@ impl InLanes<'_, InverseRange<'_>> {
         for rate in rates {
             total = total + rate;
         }
-        let known = determined & is_number(total) & !poses.touching.nowhere;
+        let known = determined & is_number(total) & !poses.touching.none;
         let [vx, vy, vz, wx, wy, wz, joints @ ..] = rates;
         links.set_rates(&joints);
         let body = LinkVelocity { linear: [vx, vy, vz], angular: [wx, wy, wz] };
@@ -181,18 +181,18 @@ impl InLanes<'_, InverseRange<'_>> {
             }
         };
         let plan = [speed, yaw_rate * all(simd, range.command.offset), yaw_rate];
-        let mut known = [KnownRate::Nowhere; COLUMNS];
+        let mut known = [KnownRate::Unknown; COLUMNS];
         for k in 0..MAX_FREE {
             if k >= motion.joints {
-                known[6 + k] = KnownRate::Everywhere(all(simd, 0.0));
+                known[6 + k] = KnownRate::Known(all(simd, 0.0));
             } else if poses.any_stopped {
-                known[6 + k] = KnownRate::Somewhere(poses.stopped[k], all(simd, 0.0));
+                known[6 + k] = KnownRate::KnownWhere(poses.stopped[k], all(simd, 0.0));
             }
         }
         match range.command.view {
             View::Body => {
                 for (column, rate) in PLAN.into_iter().zip(plan) {
-                    known[column] = KnownRate::Everywhere(rate);
+                    known[column] = KnownRate::Known(rate);
                 }
                 let found = SuspensionRates::new::<1>(simd, motion, touching, &known, contacts, equations);
                 (found.offset, found.determined)
@@ -328,8 +328,9 @@ impl InLanes<'_, InverseRange<'_>> {
     }
 }
 
-/// The planar motion of the body that is this motion from above, and the lanes in which there is one: see [`View::Plan`].
-/// The yaw rate is what turns about the vertical beyond pitching, whose axis is level.
+/// The planar rates of the body whose motion in the horizontal plane is the desired one, and the lanes in which there
+/// are any: see [`View::Plan`]. The yaw rate is the angular velocity about the vertical, without the pitch rate, whose
+/// axis is horizontal.
 #[inline(always)]
 fn seen_from_above<S: Vector>(
     simd: S,

@@ -14,11 +14,11 @@ pub struct Prepared {
     pub offset: f64,
 }
 
-/// Constants of a chain whose rows go into lanes.
+/// Constants of a planar chain, for kernels with a row in every lane.
 #[derive(Clone, Debug)]
 pub(crate) struct LaneConstants {
     pub motion: MotionConstants,
-    /// For one row of traction.
+    /// Constants of the kernel for one row of traction; None for chains that it does not fit.
     pub two_link: Option<TwoLinkChain>,
 }
 

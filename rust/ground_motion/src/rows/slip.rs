@@ -17,9 +17,9 @@ use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 pub struct SlipInput<'a> {
     /// Speed of every wheel against its link [rad/s].
     pub speeds: &'a [f64],
-    /// Of the body [m/s, rad/s].
+    /// Twists of the body [m/s, rad/s].
     pub twists: &'a [[f64; 6]],
-    /// Of the free angles [rad/s].
+    /// Rates of the free angles [rad/s].
     pub joint_rates: &'a [f64],
 }
 
@@ -28,7 +28,8 @@ pub struct SlipInput<'a> {
 pub struct Slips<'a> {
     /// `1 - v . T / (r q)`: 0 rolling, 1 turning on the spot, negative braking; NaN where the wheel does not turn.
     pub ratios: &'a mut [f64],
-    /// Of the touching point's way against the wheel's heading, positive to the left [rad].
+    /// Angle whose tangent is the touching point's velocity to the left over the velocity of the centre along the rim
+    /// [rad].
     pub angles: &'a mut [f64],
 }
 

@@ -1,12 +1,12 @@
 //! Wheel speeds over rough ground without a map of it, for many rows.
 //!
-//! The rates of body and suspension say how every wheel's centre moves, up to the vertical speed of the body, which
-//! no rate shows. A wheel on the ground moves along the tangent of its rim there, so the direction of that velocity
-//! is its contact angle and the length its rolling speed.
+//! The rates of body and suspension give the velocity of every wheel's centre up to the vertical speed of the body,
+//! which is not measured. The centre of a wheel on the ground moves along the tangent of the rim at the contact, so the
+//! direction of its velocity is the contact angle and the length its rolling speed.
 //!
 //! (O. Toupet, J. Biesiadecki, A. Rankin, A. Steffy, G. Meirion-Griffith, D. Levine, M. Schadegg, M. Maimone,
-//! Terrain-adaptive wheel speed control on the Curiosity Mars rover, JFR 37(5), 2020; here with the turning of the
-//! link that carries the wheel, which its encoder does not see.)
+//! Terrain-adaptive wheel speed control on the Curiosity Mars rover, JFR 37(5), 2020; here the rotation of the link
+//! that carries the wheel is subtracted, since its encoder measures against the link.)
 
 use super::prepared::Prepared;
 use super::run::{BodyPoses, InLanes, Rows, run_rows, take};
@@ -83,7 +83,7 @@ impl Rows for TractionRange<'_> {
 #[derive(Clone, Copy)]
 struct PlacedWheel<'a, S: Vector> {
     link: &'a PlanarLink<S>,
-    /// Straight ahead, then as the wheel is steered [m].
+    /// Centre of the wheel straight ahead; of the steered wheel after [`InLanes::centre_velocities`] [m].
     centre: Vectors<S>,
 }
 
@@ -216,7 +216,8 @@ impl InLanes<'_, TractionRange<'_>> {
         angles
     }
 
-    /// The same for wheels beside their axes: the directions of their centres depend on the angles.
+    /// Angles of the steering joints of wheels beside their axes, whose centres move with the angles: roots of the
+    /// sideways velocity.
     fn offset_steering_angles<S: Vector>(
         &self,
         simd: S,
@@ -233,7 +234,7 @@ impl InLanes<'_, TractionRange<'_>> {
             axes.velocity = link.in_own_axes([x, y, zero]);
             axes.turn = link.in_own_axes(turn);
             axes.offset = self.chain.mount(wheel).offset;
-            // The centre goes along its axle, whatever the rim does.
+            // The sideways velocity is that of the centre: the rim adds nothing to it.
             axes.radius = 0.0;
         }
         let input = SteeringInput {
@@ -256,7 +257,7 @@ impl InLanes<'_, TractionRange<'_>> {
         }
     }
 
-    /// Velocities of the wheels' centres, from those straight ahead, which are moved to these steering angles.
+    /// Velocities of the wheels' centres at these steering angles; moves `wheels` there.
     fn centre_velocities<S: Vector>(
         &self,
         simd: S,

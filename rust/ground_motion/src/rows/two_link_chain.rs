@@ -16,7 +16,7 @@ use six_wheel_terrain::suspension::kinematics::{Hinge, LinkPose, LinkVelocity, P
 use six_wheel_terrain::suspension::lanes::{Column, LARGEST_TURN, MOST, Vectors, all};
 use six_wheel_terrain::suspension::{Chain, Differential, MAX_FREE, MAX_WHEELS, Turning};
 
-/// Angles that turn links: the free ones, and the right-hand side of the differential.
+/// Angles that turn links: the free angles, and the angle of the right side of the differential.
 const ANGLES: usize = MAX_FREE + 1;
 
 /// Constants of a suspension in which at most two links, both turning about y, lie between body and wheel (rocker and
@@ -24,11 +24,12 @@ const ANGLES: usize = MAX_FREE + 1;
 #[derive(Clone, Debug)]
 pub(crate) struct TwoLinkChain {
     wheels: usize,
-    /// The free angle that goes through a differential.
+    /// The free angle on the left side of a differential, and the differential.
     across: (usize, Differential),
-    /// Factors of each angle in that of the link at the body, and in that of the link it carries against it.
+    /// Factors of each angle in the angle of the first link against the body, and in that of the second against the
+    /// first.
     links: [[Column; ANGLES]; 2],
-    /// Origin of the first link, of the second in the first, and the wheel in the second [m].
+    /// Origin of the first link in the body, of the second in the first, and the wheel's centre in the second [m].
     origins: [[Column; 3]; 3],
     /// One over the radius [1/m].
     inverse_radius: Column,
@@ -58,7 +59,7 @@ impl TwoLinkChain {
                 two_link.across = (joint, differential);
             }
         }
-        // The angle beyond a bar has its sine and cosine from elsewhere.
+        // A bar's right angle is a nonlinear function of the left one, which this kernel does not compute.
         if two_link.across.1 != Differential::Gear {
             return None;
         }
@@ -103,8 +104,8 @@ impl TwoLinkChain {
     }
 }
 
-/// One row. Its kernel returns false, and writes nothing, where the row is for the lanes of many: if wheels rest, a joint
-/// has no angle, speeds were measured or a result is not finite.
+/// One row. Its kernel returns false and writes nothing where the row needs the kernel of many rows: if wheels rest, a
+/// joint has no angle, speeds were measured or a result is not finite.
 pub(crate) struct OneRow<'a, 'b> {
     pub chain: &'a TwoLinkChain,
     pub offset: f64,
@@ -113,7 +114,8 @@ pub(crate) struct OneRow<'a, 'b> {
     pub drives: &'a mut Drives<'b>,
 }
 
-/// Free angles and the right-hand side of the differential [rad], their rates [rad/s], and the commanded speed and yaw rate.
+/// Free angles and the right side of the differential [rad], their rates [rad/s], and the commanded speed [m/s] and yaw
+/// rate [rad/s].
 struct RowInput {
     angles: [f64; ANGLES],
     rates: [f64; ANGLES],
@@ -196,7 +198,7 @@ impl Kernel for OneRow<'_, '_> {
 
 #[inline_always]
 impl OneRow<'_, '_> {
-    /// The numbers of the row; None where it is for the lanes of many.
+    /// The numbers of the row; None where it needs the kernel of many rows.
     fn input(&self) -> Option<RowInput> {
         let driving = self.driving;
         if driving.wheel_speeds.is_some() {
@@ -222,8 +224,8 @@ impl OneRow<'_, '_> {
         Some(input)
     }
 
-    /// Positions and velocities of the wheels of register `k`: those of both links, then the steering angle at which the
-    /// centre goes along the wheel in plan.
+    /// Positions and velocities of the wheels of register `k` by both links, then the steering angle along the
+    /// commanded velocity of the centre in plan.
     fn wheel_lanes<S: Vector>(&self, simd: S, input: &RowInput, k: usize) -> WheelLanes<S> {
         let chain = self.chain;
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
@@ -275,7 +277,7 @@ fn median(values: &mut [f64]) -> Option<f64> {
     let mut sum = 0.0;
     for k in 0..values.len() {
         sum += values[k];
-        // The smallest to the front, so far as it takes.
+        // Partial selection sort, up to the middle.
         for i in k + 1..values.len() {
             let (a, b) = (values[k], values[i]);
             (values[k], values[i]) = if b < a { (b, a) } else { (a, b) };

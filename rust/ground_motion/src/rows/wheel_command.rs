@@ -9,12 +9,12 @@ use six_wheel_terrain::suspension::MAX_WHEELS;
 use six_wheel_terrain::suspension::kinematics::{LinkVelocity, PlanarLink};
 use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all, from_turned};
 
-/// Velocities across the link above which a wheel is off the ground.
+/// Velocities across the link above which a wheel counts as off the ground.
 #[derive(Clone, Copy)]
 pub(crate) struct LiftLimits {
-    /// [m/s]
+    /// Least velocity that counts [m/s].
     speed: f64,
-    /// Square of the steepest slope.
+    /// Square of the steepest slope, a ratio.
     square: f64,
 }
 
@@ -25,7 +25,7 @@ impl LiftLimits {
     }
 }
 
-/// The velocity of a wheel's centre along and across its link, but for the body's vertical speed.
+/// The velocity of a wheel's centre along and across its link, without the body's vertical speed [m/s].
 #[derive(Clone, Copy)]
 pub(crate) struct CentreVelocity<S: Vector> {
     pub along: Lanes<S>,
@@ -40,17 +40,17 @@ pub(crate) struct CentreVelocity<S: Vector> {
 
 /// Command of a wheel.
 pub(crate) struct WheelCommand<S: Vector> {
-    /// [rad/s]
+    /// Speed of the wheel against its link [rad/s].
     pub speed: Lanes<S>,
-    /// [rad]
+    /// Contact angle [rad].
     pub contact_angle: Lanes<S>,
-    /// Lanes in which the joints lift or drop the wheel as no ground would.
+    /// Lanes in which the wheel counts as off the ground: see [`LiftLimits`].
     pub lifted: Mask<S>,
 }
 
 #[inline_always]
 impl<S: Vector> CentreVelocity<S> {
-    /// Of a wheel on a link of a body that moves like this, turned about its steering axis.
+    /// The velocity of a wheel on a link, `turned` about its steering axis, for this motion of the body.
     pub fn new(
         body: &LinkVelocity<S>,
         link: &PlanarLink<S>,
@@ -80,7 +80,7 @@ impl<S: Vector> CentreVelocity<S> {
         let velocity = self.at(vertical);
         let [_, across] = velocity;
         let rolled = polar(velocity);
-        // Squares: a root takes as long as the rest of it.
+        // Squares are compared: a square root would take as long as everything else here.
         let slope = all(simd, lift.square) * x.mul_add(x, y * y);
         WheelCommand {
             speed: rolled.length.xor_sign(rolled.sign) * self.inverse_radius - self.turn,
@@ -90,8 +90,8 @@ impl<S: Vector> CentreVelocity<S> {
     }
 }
 
-/// The median over the wheels of the vertical speed at which a wheel moves along its link [m/s]: least in the sum of what
-/// they move across, and unmoved by two wheels on rocks. NaN where one of them is.
+/// The median over the wheels of the vertical speed at which a wheel moves along its link [m/s]. It minimises the sum
+/// of the velocities across, and two wheels of six on rocks do not change it. NaN where a wheel's speed is NaN.
 #[inline(always)]
 pub(super) fn median_closing_speed<S: Vector>(simd: S, centres: &[CentreVelocity<S>]) -> Lanes<S> {
     let zero = all(simd, 0.0);
@@ -102,7 +102,7 @@ pub(super) fn median_closing_speed<S: Vector>(simd: S, centres: &[CentreVelocity
         sum = sum + *speed;
     }
     let count = centres.len().min(MAX_WHEELS);
-    // The smallest to the front, so far as it takes.
+    // Partial selection sort, up to the middle.
     for k in 0..=count / 2 {
         for i in k + 1..count {
             let (a, b) = (speeds[k], speeds[i]);
@@ -118,16 +118,17 @@ pub(super) fn median_closing_speed<S: Vector>(simd: S, centres: &[CentreVelocity
     is_number(sum).select(median, sum)
 }
 
-/// Newton steps at most: speeds at random take seven in the mean.
+/// Most Newton steps: random speeds take seven on average.
 const STEPS: usize = 20;
 
-/// Step below which the vertical speed is found [m/s].
+/// Step below which Newton's method has converged [m/s].
 const FOUND: f64 = 1e-15;
 
-/// Added to the second derivative: on level ground the rolling speeds do not depend on the vertical one.
+/// Added to the second derivative, which is 0 on level ground: there the rolling speeds do not depend on the vertical
+/// speed.
 const DAMPING: f64 = 1e-3;
 
-/// Least second derivative, as a share of its value without the terms that make it smaller: every step goes downhill.
+/// Least second derivative, as a share of its value without the negative terms: every step decreases the sum.
 const LEAST_SECOND: f64 = 0.2;
 
 /// The vertical speed z that fits the measured speeds of the wheels best, by Newton steps from a start [m/s]; lanes that

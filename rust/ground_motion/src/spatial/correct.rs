@@ -1,10 +1,10 @@
-//! A pose from outside: it corrects the state of its instant, and the samples after it are taken in again.
+//! Correction by a measured pose: the state of its instant is corrected, and the later samples are integrated again.
 
 use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::Odometry3;
 use super::sample::Read;
-use super::spread::whole;
+use super::spread::stack;
 use super::state::{Fixed, Pose3, PoseMeasurement3, State, StepReadings3, check_covariance};
 use six_wheel_kinematics::geometry::wrap_angle;
 use six_wheel_numerics::error::Error;
@@ -13,7 +13,7 @@ use six_wheel_odometry::preintegrated::space::Motion3;
 use six_wheel_odometry::state::check_pose;
 
 impl Fixed {
-    /// Corrects a pose by a measured one. Tilt that was measured, and all that follows from the map, stays.
+    /// Corrects a pose by a measured one. Measured tilt stays; height and tilt on a map are settled again.
     fn correct_with_pose(&self, state: &mut State, read: &Read, seen: &PoseMeasurement3) {
         let PoseMeasurement3 { pose, covariance } = seen;
         let keeps = match read.attitude {
@@ -24,12 +24,12 @@ impl Fixed {
         let mut by_error = Matrix6::identity();
         let mut about = (pose.rotation * here.rotation.inverse()).scaled_axis();
         if covariance[(3, 3)].is_infinite() && covariance[(4, 4)].is_infinite() {
-            // Nothing of its tilt: it tells the yaw, whatever the tilt is.
+            // A measurement without tilt: its yaw angle is compared with the state's.
             let (_, _, yaw) = pose.rotation.euler_angles();
             about = Vector3::z() * wrap_angle(yaw - state.pose_sums.heading.value());
             by_error.set_row(5, &state.yaw_row());
         }
-        let mut difference = whole(&(pose.translation - here.translation), &about);
+        let mut difference = stack(&(pose.translation - here.translation), &about);
         for k in 0..6 {
             if covariance[(k, k)].is_infinite() {
                 difference[k] = 0.0;
@@ -38,14 +38,14 @@ impl Fixed {
         let gain = state.errors.correct(covariance, &by_error, &keeps);
         state.shift(&(gain * difference));
         if let Some(ground) = &self.ground {
-            // If it does not settle, height, tilt and joints stay as they were.
+            // If the rover does not settle there, height, tilt and joints stay.
             let _ = self.stand(state, read, ground);
         }
     }
 }
 
 impl PoseMeasurement3 {
-    /// The same after this twist was held for so long [s]. A covariance that is not known in every direction stays.
+    /// The measurement after `dt` [s] at this twist [m/s, rad/s]. A covariance with infinite variances stays.
     fn propagate(self, twist: [f64; 6], dt: f64) -> Self {
         let Self { pose: start, mut covariance } = self;
         let pose = start.compose(&Motion3::exp(&(Vector6::from(twist) * dt)));
@@ -60,10 +60,10 @@ impl PoseMeasurement3 {
 }
 
 impl Odometry3 {
-    /// A pose from outside at some instant of the last `lag` seconds, with its covariance in axes of the world, infinite
-    /// variances where it says nothing. Between two samples the rover is taken to be on the screw of the step; after
-    /// the last one it is taken to have gone on as before. On a map a corrected rover may come to where it does not
-    /// stand; it then goes on by the step it had made.
+    /// Corrects by a measured pose at an instant of the last `lag` seconds, with its covariance in axes of the world,
+    /// infinite variances for what was not measured. Between two samples the pose is interpolated on the screw of the
+    /// step; after the last sample it is extrapolated at the last twist. Where a corrected rover does not settle on the
+    /// map, its steps are those from before the correction.
     pub fn correct(&mut self, pose: Pose3, stamp: f64, covariance: [[f64; 6]; 6]) -> Result<(), Error> {
         let covariance = check_covariance(covariance, true)?;
         check_pose(&pose.numbers())?;
@@ -82,7 +82,7 @@ impl Odometry3 {
                 *noise = taken.noise;
             } else {
                 *state = kept;
-                fixed.hold(state, &entry.state, &after.read, entry.dt);
+                fixed.repeat_step(state, &entry.state, &after.read, entry.dt);
             }
         };
         let correct = |state: &mut State, after: &StepReadings3, seen: &PoseMeasurement3| {
@@ -94,15 +94,15 @@ impl Odometry3 {
 }
 
 impl Fixed {
-    /// Goes along a step as it was made before, where it cannot be made anew.
-    fn hold(&self, state: &mut State, before: &State, read: &Read, dt: f64) {
+    /// Repeats the displacement of a step that fails from the corrected state.
+    fn repeat_step(&self, state: &mut State, before: &State, read: &Read, dt: f64) {
         let tangent = Vector6::from(before.twist) * dt;
         let start = state.rotation();
         let none = super::spread::StepNoise::none();
         state.errors.propagate(&start, &tangent, &none);
         let moved = Motion3::exp(&tangent);
         let shift = start * moved.translation;
-        state.shift(&whole(&shift, &(start * moved.rotation.scaled_axis())));
+        state.shift(&stack(&shift, &(start * moved.rotation.scaled_axis())));
         (state.roll, state.pitch) = (before.roll, before.pitch);
         state.twist = before.twist;
         self.measure_tilt(state, read);

@@ -3,20 +3,21 @@
 use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::readings::{StepReadings, TiltPair, WheelMotion};
-use super::spread::{Columns, GYROSCOPE, JOINTS, RATES, STEERING, StepNoise, TILT, whole};
-use crate::MEMORY;
+use super::spread::{Columns, GYROSCOPE, JOINTS, RATES, STEERING, StepNoise, TILT, stack};
+use crate::AVERAGING_LENGTH;
 use six_wheel_odometry::gyroscope::mean_rate;
 use six_wheel_odometry::motion::{ROUNDING, SUSPICIOUS};
 use six_wheel_odometry::settings::Readings as Kind;
 use six_wheel_terrain::suspension::MAX_WHEELS;
 
-/// Elimination of the yaw: derivatives of a displacement by something that the yaw, and with it the measured turn,
-/// depends on as well.
+/// Elimination of the yaw from derivatives of a displacement by a quantity that also changes the yaw, and with it the
+/// turn between the measured tilts.
 struct YawClosure {
-    /// Of the displacement by the yaw that it does not measure itself.
+    /// Derivative of the displacement by the yaw, where the attitude has no yaw of its own; else 0.
     by_yaw: Vector6<f64>,
     /// Derivative of the yaw equation by the yaw: the vertical part of the turn less that of the displacement.
     slope: f64,
+    /// The vertical in the body in the middle of the step.
     up: Vector3<f64>,
 }
 
@@ -33,12 +34,12 @@ impl YawClosure {
         Self { slope: up.z - by_yaw[5], by_yaw, up }
     }
 
-    /// The displacement's derivative, given that at a held yaw, and that of the measured turn.
+    /// Derivative of the displacement, from that at a constant yaw and that of the measured turn.
     fn eliminate_yaw(&self, by: Vector6<f64>, turn: &Vector3<f64>) -> Vector6<f64> {
         let yaw = (by[5] - turn.z) / self.slope;
         let moved = by + self.by_yaw * yaw;
         let about = turn + self.up * yaw;
-        whole(&Vector3::new(moved[0], moved[1], moved[2]), &about)
+        stack(&Vector3::new(moved[0], moved[1], moved[2]), &about)
     }
 }
 
@@ -49,9 +50,10 @@ struct NoisyStep<'a> {
     closure: Option<YawClosure>,
     /// Variance of the distance that a wheel rolled, as read [m²].
     reading_variance: f64,
-    /// Deviation of a steering angle [rad].
+    /// Standard deviation of a steering angle [rad].
     steering_deviation: f64,
-    /// Deviation of the distance that a wheel's centre moved across the ground, where that was measured [m].
+    /// Standard deviation of the distance that a wheel's centre moved across the ground, 0 where that was not measured
+    /// [m].
     centre_deviation: f64,
     /// Distance of every contact along its rim and to its left [m].
     distances: [[f64; 2]; MAX_WHEELS],
@@ -77,7 +79,8 @@ impl<'a> NoisyStep<'a> {
         }
     }
 
-    /// Derivative of the displacement by something on which the measured turn does not depend, given that at a held yaw.
+    /// Derivative of the displacement by a quantity on which the measured turn does not depend, from that at a constant
+    /// yaw.
     fn eliminate_yaw(&self, by: [f64; 6]) -> Vector6<f64> {
         match &self.closure {
             Some(closure) => closure.eliminate_yaw(Vector6::from(by), &Vector3::zeros()),
@@ -96,8 +99,9 @@ impl<'a> NoisyStep<'a> {
         }
         let is_read = !along_slid.is_nan();
         let distance = ahead.hypot(left);
-        // The noise of a slope stays the same over the distance it is averaged over.
-        let climbed = motion.slopes[wheel].powi(2) * distance * step.centre_deviation / MEMORY;
+        // The error of a slope s is constant over L = AVERAGING_LENGTH deviation: variance (L s / AVERAGING_LENGTH)²
+        // per L.
+        let climbed = motion.slopes[wheel].powi(2) * distance * step.centre_deviation / AVERAGING_LENGTH;
         let along = noise.slip * noise.slip * distance + climbed;
         let across = noise.side_slip * noise.side_slip * distance;
         let by_distance = self.eliminate_yaw(response.by_speed[wheel]) / step.radii[wheel];
@@ -121,12 +125,12 @@ impl<'a> NoisyStep<'a> {
             Some(threshold) => threshold * step.dt,
             None => SUSPICIOUS * variance.sqrt() + ROUNDING * farthest,
         };
-        // A steering angle turns the rim towards its left.
+        // Rotated by an angle, a displacement (ahead, left) changes by (-left, ahead) per angle.
         let by_angle = (by_side * ahead - by_distance * left) * motion.at[wheel].cos;
         Some((by_angle, slid > bound))
     }
 
-    /// Adds the errors of the tilt as measured at both ends.
+    /// Adds the errors of the measured tilt at both ends.
     fn add_tilt(&self, tilt: &TiltPair, closure: &YawClosure, turn: &Vector3<f64>, errors: &mut StepNoise) {
         let [by_x, by_y] = self.motion.response.by_tilting.map(Vector6::from);
         let [old, new] = tilt.by_ends(turn, self.step);
@@ -139,7 +143,7 @@ impl<'a> NoisyStep<'a> {
     }
 }
 
-/// Fills in the errors of the displacement. Returns true if a contact slid further than they explain.
+/// Writes the errors of the displacement. Returns true if a contact slid farther than they explain.
 pub(crate) fn displacement_errors(
     step: &StepReadings<'_>,
     motion: &WheelMotion,
@@ -196,7 +200,7 @@ pub(crate) fn fuse_yaw_increment(
     let variance = total[(5, 5)] + 2.0 * deviation * deviation;
     let mut gain = if variance > 0.0 { total.column(5) / variance } else { Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 1.0) };
     if let Some(tilt) = tilt {
-        // Tilt at the ends is as it was measured: the body turns about the vertical.
+        // With the tilt at both ends measured, the correction turns the body about the vertical.
         gain[3] = gain[5] * tilt.up.x / tilt.up.z;
         gain[4] = gain[5] * tilt.up.y / tilt.up.z;
     }
@@ -205,7 +209,7 @@ pub(crate) fn fuse_yaw_increment(
         rest[(k, 5)] -= gain[k];
     }
     noise.own = rest * noise.own * rest.transpose();
-    // The yaw of an attitude turns with its tilt.
+    // Errors of roll and pitch change the turn at a constant yaw of the attitude.
     let by_tilt = match (tilt, &motion.turn, step.after.yaw_rate) {
         (Some(tilt), Some(turn), None) => {
             let [old, new] = tilt.by_ends(turn, step);

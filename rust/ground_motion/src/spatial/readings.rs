@@ -1,4 +1,4 @@
-//! One step as it is read at its ends, and the answer of wheels, joints and tilt to it.
+//! Readings at both ends of one step, the turn between two tilts, and the motion by wheels, joints and tilt.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -21,12 +21,14 @@ pub(crate) struct StepReadings<'a> {
     pub after: &'a Read,
     /// Rotation of every wheel [rad].
     pub turned: &'a [f64; MAX_WHEELS],
+    /// Length of the step [s].
     pub dt: f64,
 }
 
 /// Tilt at both ends of a step.
 #[derive(Clone, Copy)]
 pub(crate) struct TiltPair {
+    /// `Ry(pitch) Rx(roll)` at the start and at the end.
     pub ends: [UnitQuaternion<f64>; 2],
     /// Change of the yaw by the attitudes [rad].
     pub yaw: Option<f64>,
@@ -47,7 +49,7 @@ impl TiltPair {
         })
     }
 
-    /// The turn of the body that changes the yaw by this much.
+    /// Rotation vector of the body over the step [rad], for this change of the yaw [rad].
     pub fn turn(&self, yaw: f64) -> Vector3<f64> {
         let [first, last] = &self.ends;
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
@@ -67,13 +69,18 @@ impl TiltPair {
 
 /// Motion by wheels, joints and tilt over a step, before a gyroscope corrects it.
 pub(crate) struct WheelMotion {
+    /// Displacement over the step, in axes of the body [m, rad].
     pub twist: [f64; 6],
+    /// Rotation vector between the measured tilts [rad]; None where tilt was not measured.
     pub turn: Option<Vector3<f64>>,
+    /// Change of the yaw, where tilt was measured [rad].
     pub yaw: f64,
     pub contacts: Contacts,
-    /// Of the contact angle of every wheel.
+    /// Direction of the contact angle of every wheel.
     pub at: [Direction; MAX_WHEELS],
+    /// Sine of the climb of every wheel against the plane of all.
     pub slopes: [f64; MAX_WHEELS],
+    /// Distance that every contact slid along its rim and to its left [m].
     pub slid: [[f64; 2]; MAX_WHEELS],
     pub response: Response,
 }

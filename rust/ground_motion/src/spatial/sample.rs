@@ -5,10 +5,10 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use six_wheel_numerics::error::{Error, finite, numbers, radians};
 use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
-/// Deviation of a quaternion's length from 1 that is taken for rounding of whoever wrote it.
+/// Largest deviation of a quaternion's length from 1 that counts as rounding.
 const UNIT: f64 = 1e-2;
 
-/// Tilt from which on nothing stands on its wheels [rad].
+/// Roll or pitch beyond which a rover counts as overturned [rad].
 pub const OVERTURNED: f64 = 1.4;
 
 /// Attitude of the body by an IMU: `Rz(yaw) Ry(pitch) Rx(roll)`.
@@ -18,7 +18,7 @@ pub struct Attitude {
     pub roll: f64,
     /// Positive with the nose down [rad].
     pub pitch: f64,
-    /// Against a zero of its own [rad]; None where it was not measured.
+    /// Against a zero of the sensor [rad]; None where it was not measured.
     pub yaw: Option<f64>,
 }
 
@@ -27,7 +27,7 @@ impl Attitude {
     pub fn from_angles(roll: f64, pitch: f64, yaw: Option<f64>) -> Result<Self, Error> {
         finite("attitude", &[roll, pitch, yaw.unwrap_or(0.0)])?;
         let half = UnitQuaternion::from_euler_angles(roll, pitch, 0.0);
-        // Angles beyond a quarter turn have others that mean the same.
+        // Angles beyond a quarter turn are replaced by equivalent ones of the same rotation.
         let (roll, pitch, turn) = match roll.abs() <= OVERTURNED && pitch.abs() <= OVERTURNED {
             true => (roll, pitch, 0.0),
             false => half.euler_angles(),
@@ -36,7 +36,7 @@ impl Attitude {
         Ok(Self { roll, pitch, yaw })
     }
 
-    /// From a quaternion x, y, z, w. Fails unless it is one.
+    /// From a quaternion x, y, z, w. Fails unless its length is 1 up to rounding.
     pub fn from_quaternion(parts: [f64; 4]) -> Result<Self, Error> {
         finite("attitude", &parts)?;
         let [x, y, z, w] = parts;
@@ -50,7 +50,7 @@ impl Attitude {
         Ok(Self { roll, pitch, yaw })
     }
 
-    /// Fails where no rover stands on its wheels.
+    /// Fails if roll or pitch is beyond [`OVERTURNED`].
     pub fn check_upright(&self) -> Result<(), Error> {
         let tilt = (self.roll.cos() * self.pitch.cos()).acos();
         if tilt <= OVERTURNED {
@@ -66,7 +66,7 @@ impl Attitude {
     }
 }
 
-/// Axes in the world about which roll and pitch turn a body, at this yaw and pitch.
+/// Axes in the world of the rotations by roll and by pitch, at this yaw and pitch.
 pub(crate) fn tilting_axes(yaw: f64, pitch: f64) -> [Vector3<f64>; 2] {
     let (sin, cos) = yaw.sin_cos();
     let ahead = Vector3::new(cos * pitch.cos(), sin * pitch.cos(), -pitch.sin());
@@ -76,31 +76,32 @@ pub(crate) fn tilting_axes(yaw: f64, pitch: f64) -> [Vector3<f64>; 2] {
 /// Readings of one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample3<'a> {
-    /// Readings of the steering joints.
+    /// Readings of the steering joints, in units of their encoders.
     pub steering: &'a [f64],
-    /// Readings of the wheels; NaN where one has no encoder.
+    /// Readings of the wheels, in units of their encoders; NaN where one has no encoder.
     pub wheels: &'a [f64],
-    /// When [s].
+    /// Time of the readings [s].
     pub stamp: f64,
     /// Free angles of the suspension [rad]; NaN where one was not measured.
     pub joints: Option<&'a [f64]>,
-    /// Of the body.
+    /// Attitude of the body.
     pub attitude: Option<Attitude>,
     /// Yaw rate of a gyroscope, about the z axis of the body [rad/s].
     pub yaw_rate: Option<f64>,
 }
 
-/// A sample that has been taken in.
+/// Readings of a sample that the state has been updated by.
 #[derive(Clone, Copy, Debug)]
 pub struct Read {
+    /// Time of the readings [s].
     pub stamp: f64,
-    /// As read.
+    /// Readings of the steering joints, in units of their encoders.
     pub steering: [f64; MAX_WHEELS],
-    /// As read.
+    /// Readings of the wheels, in units of their encoders.
     pub wheels: [f64; MAX_WHEELS],
     /// Steering angles, whole turns kept [rad].
     pub angles: [f64; MAX_WHEELS],
-    /// NaN where one was not measured.
+    /// Free angles of the suspension [rad]; NaN where one was not measured.
     pub joints: [f64; MAX_FREE],
     pub attitude: Option<Attitude>,
     pub yaw_rate: Option<f64>,
@@ -117,7 +118,7 @@ impl Read {
         yaw_rate: None,
     };
 
-    /// A sample with the steering angles that were made of it.
+    /// A sample, with the steering angles [rad] that follow from its readings.
     pub fn of(sample: &Sample3<'_>, angles: [f64; MAX_WHEELS]) -> Self {
         let mut read =
             Self { stamp: sample.stamp, angles, attitude: sample.attitude, yaw_rate: sample.yaw_rate, ..Self::NONE };
@@ -137,9 +138,9 @@ pub struct Recording3<'a> {
     pub steering: &'a [f64],
     /// Readings of the wheels, row after row.
     pub wheels: &'a [f64],
-    /// When [s].
+    /// Times of the readings [s].
     pub stamps: &'a [f64],
-    /// Free angles, row after row.
+    /// Free angles, row after row [rad].
     pub joints: Option<&'a [f64]>,
     /// Attitudes, row after row: two, three or four numbers each.
     pub attitudes: Option<(&'a [f64], usize)>,

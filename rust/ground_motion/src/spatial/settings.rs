@@ -1,4 +1,4 @@
-//! All that does not change while odometry in space works.
+//! Settings of odometry in space: constant while it runs.
 
 use six_wheel_numerics::error::{Error, not_negative};
 use six_wheel_odometry::settings::Settings;
@@ -7,11 +7,11 @@ use six_wheel_terrain::suspension::Chain;
 /// Settings of odometry in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings3 {
-    /// As in the plane; wheels are weighed alike, and nothing is inflated.
+    /// Settings shared with planar odometry. Wheels have equal weights, and covariances are not inflated.
     pub common: Settings,
-    /// Standard deviation of roll and of pitch, as read [rad].
+    /// Standard deviation of the readings of roll and of pitch [rad].
     pub attitude_noise: f64,
-    /// Standard deviation of every free angle, as read [rad].
+    /// Standard deviation of the readings of every free angle [rad].
     pub joint_noise: f64,
 }
 

@@ -9,13 +9,13 @@ use six_wheel_terrain::terrain::{Terrain, normal};
 
 /// Source of the contacts of a step.
 pub(crate) enum ContactSource<'a> {
-    /// From the joints.
+    /// Without a map: from the joint angles.
     Unmapped,
-    /// From a settled pose.
+    /// From a settled pose on a map.
     Ground(&'a Place),
 }
 
-/// A settled pose, as the motion on it takes it.
+/// A settled pose, in the layout of [`Footing`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     pub pose: PlanPose,
@@ -83,7 +83,7 @@ impl Place {
     /// determined.
     pub fn slopes(&self, chain: &Chain) -> Option<[(f64, Vector3<f64>); 3]> {
         let steering = &self.steering[..self.steered];
-        // Derivatives are the same wherever the body is.
+        // The derivatives do not depend on x and y of the body.
         let placed = chain.place(PlanPose { x: 0.0, y: 0.0, ..self.pose }, &self.stand.state, steering)?;
         let by = six_wheel_terrain::ground::by_pose(chain, &placed, &self.stand)?;
         Some(std::array::from_fn(|k| {

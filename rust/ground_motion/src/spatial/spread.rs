@@ -1,4 +1,4 @@
-//! The error of a pose in space: axes of the world, at the place where the body is.
+//! The error of a pose in space: its covariance in axes of the world, rotations about the body's origin.
 //!
 //! As in the plane (`odometry::uncertainty`) readings at the end of one step are those at the start of the next, so their errors
 //! are kept in columns of their own until both steps are done.
@@ -9,7 +9,7 @@ use six_wheel_odometry::pose_gain::PoseGain;
 use six_wheel_odometry::preintegrated::space::{Motion3, left_jacobian};
 use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
-/// Columns of readings that two steps share: steering, wheels that report rates, free angles, tilt, the gyroscope.
+/// Columns of the readings that two steps share: steering, wheels that report rates, free angles, tilt, the gyroscope.
 pub(crate) const STEERING: usize = 0;
 pub(crate) const RATES: usize = STEERING + MAX_WHEELS;
 pub(crate) const JOINTS: usize = RATES + MAX_WHEELS;
@@ -17,21 +17,21 @@ pub(crate) const TILT: usize = JOINTS + MAX_FREE;
 pub(crate) const GYROSCOPE: usize = TILT + 2;
 pub(crate) const SHARED: usize = GYROSCOPE + 1;
 
-/// A pose's rounding, as a share of its variance: added to every diagonal, so that no direction's variance is
+/// Rounding of a covariance, as a share of its trace: added to the diagonal, so that the variance of no direction is
 /// negative.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Columns times their standard deviations.
+/// Derivatives of a pose by the shared readings, each times the reading's standard deviation.
 pub(crate) type Columns = [Vector6<f64>; SHARED];
 
 /// Error of one displacement in axes of the body.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepNoise {
-    /// Covariance of all that errs in this step alone.
+    /// Covariance of the errors that occur in this step alone.
     pub own: Matrix6<f64>,
-    /// Per shared reading: its error at the start of the step.
+    /// Errors by the shared readings at the start of the step.
     pub old: Columns,
-    /// The same at the end.
+    /// Errors by the shared readings at the end of the step.
     pub new: Columns,
 }
 
@@ -44,7 +44,7 @@ impl StepNoise {
         }
     }
 
-    /// Covariance of the displacement, as if the readings at both ends erred on their own.
+    /// Covariance of the displacement, the errors of readings at both ends independent.
     pub fn total(&self) -> Matrix6<f64> {
         let ends = self.old.iter().chain(&self.new);
         ends.filter(|column| **column != Vector6::zeros())
@@ -62,12 +62,15 @@ const fn zero() -> Matrix6<f64> {
 /// Error of a pose: x, y, z [m], and about the axes of the world [rad].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Errors {
+    /// Covariance by the readings whose steps are all done.
     pub settled: Matrix6<f64>,
+    /// Errors by the last readings, which the next step shares.
     pub carried: Columns,
 }
 
 /// Derivatives of the end of a step by its start and by its displacement.
 struct StepJacobian3 {
+    /// Translation of the step in axes of the world [m].
     shift: Vector3<f64>,
     by_displacement: Matrix6<f64>,
 }
@@ -80,26 +83,26 @@ impl StepJacobian3 {
         let turn = *start.to_rotation_matrix().matrix();
         let mut by_displacement = Matrix6::zeros();
         for k in 0..6 {
-            let (shift, about) = parts(&jacobian.column(k).into_owned());
-            // Seen from the end: what turns at the start swings it.
+            let (shift, about) = split(&jacobian.column(k).into_owned());
+            // A rotation about the start moves the end.
             let end = turn * (shift + about.cross(&body));
-            by_displacement.set_column(k, &whole(&end, &(turn * about)));
+            by_displacement.set_column(k, &stack(&end, &(turn * about)));
         }
         Self { shift: turn * body, by_displacement }
     }
 
-    /// Error at the end that an error of the start causes.
-    fn carry(&self, error: &Vector6<f64>) -> Vector6<f64> {
-        let (shift, about) = parts(error);
-        whole(&(shift + about.cross(&self.shift)), &about)
+    /// Error of the end by an error of the start.
+    fn propagate(&self, error: &Vector6<f64>) -> Vector6<f64> {
+        let (shift, about) = split(error);
+        stack(&(shift + about.cross(&self.shift)), &about)
     }
 }
 
-fn parts(error: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
+fn split(error: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (Vector3::new(error[0], error[1], error[2]), Vector3::new(error[3], error[4], error[5]))
 }
 
-pub(crate) fn whole(shift: &Vector3<f64>, about: &Vector3<f64>) -> Vector6<f64> {
+pub(crate) fn stack(shift: &Vector3<f64>, about: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(shift.x, shift.y, shift.z, about.x, about.y, about.z)
 }
 
@@ -117,7 +120,7 @@ impl Errors {
         covariance
     }
 
-    /// The same, symmetric and without a negative variance in any direction, rounding or not.
+    /// Covariance of the pose, symmetric, and positive semidefinite in spite of rounding.
     pub fn reported(&self) -> Matrix6<f64> {
         let covariance = self.covariance();
         let mut covariance = (covariance + covariance.transpose()) * 0.5;
@@ -130,7 +133,7 @@ impl Errors {
         covariance
     }
 
-    /// Goes along one step.
+    /// Propagates the error through one step.
     pub fn propagate(&mut self, start: &UnitQuaternion<f64>, tangent: &Vector6<f64>, noise: &StepNoise) {
         let step = StepJacobian3::new(start, tangent);
         let mut by_start = Matrix6::identity();
@@ -141,14 +144,14 @@ impl Errors {
         let zero = Vector6::zeros();
         for (carried, (old, new)) in self.carried.iter_mut().zip(noise.old.iter().zip(&noise.new)) {
             if *carried != zero || *old != zero {
-                let all = step.carry(carried) + by * old;
+                let all = step.propagate(carried) + by * old;
                 self.settled += all * all.transpose();
             }
             *carried = if *new == zero { zero } else { by * new };
         }
     }
 
-    /// Every error through the same matrix.
+    /// Multiplies every error by this matrix.
     pub fn map(&mut self, by: &Matrix6<f64>) {
         self.settled = by * self.settled * by.transpose();
         for column in &mut self.carried {
@@ -156,8 +159,9 @@ impl Errors {
         }
     }
 
-    /// A pose from outside with this covariance, infinite where it says nothing: by how much its innovation moves
-    /// the pose. `by_error` is the derivative of the measurement by an error, `keeps` projects to what may be moved.
+    /// Updates the covariance by a measured pose with this covariance, infinite variances for what was not measured.
+    /// Returns the gain. `by_error` is the derivative of the measurement by an error of the pose; `keeps` projects the
+    /// gain onto the components that may change.
     pub fn correct(&mut self, measured: &Matrix6<f64>, by_error: &Matrix6<f64>, keeps: &Matrix6<f64>) -> Matrix6<f64> {
         let PoseGain { gain, by_error, noise } = PoseGain::new(&self.covariance(), by_error, measured);
         let gain = keeps * gain;

@@ -8,7 +8,7 @@ use super::readings::StepReadings;
 use super::sample::{Read, tilting_axes};
 use super::settings::Settings3;
 use super::site::{ContactSource, Place};
-use super::spread::{Errors, StepNoise, TILT, whole};
+use super::spread::{Errors, StepNoise, TILT, stack};
 use super::step::{displace, half_displacement, middle_angles};
 use six_wheel_kinematics::geometry::{PoseAccumulator, Sum, wrap_angle};
 use six_wheel_numerics::error::{Error, ErrorKind, HUGE, number, numbers};
@@ -33,7 +33,7 @@ pub struct Pose3 {
     pub roll: f64,
     /// Positive with the nose down [rad].
     pub pitch: f64,
-    /// With its full turns [rad].
+    /// Accumulated over whole turns [rad].
     pub yaw: f64,
 }
 
@@ -57,7 +57,7 @@ impl Pose3 {
         }
     }
 
-    /// From a motion `world_from_body`, with the yaw next to 0.
+    /// From a motion `world_from_body`, with a yaw within half a turn of 0.
     pub fn of(motion: &Motion3) -> Self {
         let (roll, pitch, yaw) = motion.rotation.euler_angles();
         let place = motion.translation;
@@ -65,7 +65,7 @@ impl Pose3 {
     }
 }
 
-/// All that does not change while it works.
+/// Constants of an odometry.
 #[derive(Clone, Debug)]
 pub(crate) struct Fixed {
     pub chain: Chain,
@@ -76,13 +76,16 @@ pub(crate) struct Fixed {
     pub centre_deviation: f64,
 }
 
-/// State that changes from sample to sample, and that a late pose rewinds.
+/// State after a sample, of which the history keeps copies for late poses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State {
     pub pose_sums: PoseAccumulator,
+    /// Height [m].
     pub z: Sum,
+    /// Roll and pitch [rad].
     pub roll: f64,
     pub pitch: f64,
+    /// Mean twist over the last step [m/s, rad/s].
     pub twist: [f64; 6],
     pub errors: Errors,
     /// Climb of every wheel against the plane of all, as a sine; 0 on a map.
@@ -171,7 +174,7 @@ impl State {
         RowVector6::new(0.0, 0.0, 0.0, slope * cos, slope * sin, 1.0)
     }
 
-    /// Projection that keeps place and yaw of a pose, and nothing of its tilt.
+    /// Projection of an error that keeps position and yaw and removes the tilt.
     pub fn tilt_free_projection(&self) -> Matrix6<f64> {
         let mut keeps = Matrix6::zeros();
         for k in 0..3 {
@@ -181,7 +184,8 @@ impl State {
         keeps
     }
 
-    /// Moves place and yaw by an error in axes of the world; tilt is measured, or follows from the map.
+    /// Adds an error in axes of the world to position and yaw; roll and pitch stay, which are measured or follow from
+    /// the map.
     pub fn shift(&mut self, by: &Vector6<f64>) {
         let turn = (self.yaw_row() * by)[0];
         self.pose_sums.shift(by[0], by[1]);
@@ -189,8 +193,8 @@ impl State {
         self.pose_sums.turn(turn);
     }
 
-    /// Turns to a rotation, its yaw the short readings round.
-    fn face(&mut self, rotation: &UnitQuaternion<f64>) {
+    /// Sets roll, pitch and yaw to those of a rotation, the yaw by the shorter way round.
+    fn set_rotation(&mut self, rotation: &UnitQuaternion<f64>) {
         let (roll, pitch, yaw) = rotation.euler_angles();
         (self.roll, self.pitch) = (roll, pitch);
         self.pose_sums.turn(wrap_angle(yaw - self.pose_sums.heading.value()));
@@ -198,7 +202,7 @@ impl State {
 }
 
 impl Fixed {
-    /// Puts a pose where its first readings say that it stands.
+    /// Sets tilt and height of a pose by its first readings and the map.
     pub fn begin(&self, state: &mut State, read: &Read) -> Result<(), Error> {
         self.measure_tilt(state, read);
         let Some(ground) = &self.ground else {
@@ -222,7 +226,7 @@ impl Fixed {
         read.attitude.is_some() && joints.iter().all(|joint| !joint.is_nan())
     }
 
-    /// Takes the tilt of an attitude at its word, and its error for that of the pose.
+    /// Replaces roll and pitch, and their errors, by those of the measured attitude.
     pub fn measure_tilt(&self, state: &mut State, read: &Read) {
         let Some(attitude) = read.attitude else {
             return;
@@ -232,11 +236,11 @@ impl Fixed {
         let axes = tilting_axes(state.pose_sums.heading.value(), state.pitch);
         for (k, axis) in axes.into_iter().enumerate() {
             let about = axis * self.settings.attitude_noise;
-            state.errors.carried[TILT + k] += whole(&Vector3::zeros(), &about);
+            state.errors.carried[TILT + k] += stack(&Vector3::zeros(), &about);
         }
     }
 
-    /// Settles a pose: its height, and its tilt unless that was measured, follow from the map.
+    /// Settles a pose on the map: its height follows, and its tilt unless that was measured.
     pub fn stand(&self, state: &mut State, read: &Read, ground: &Terrain) -> Result<(), Status> {
         state.place = None;
         let place = Place::find(&self.chain, ground, state.plan(), &read.angles)?;
@@ -261,7 +265,7 @@ impl Fixed {
                     None => *about,
                     Some(_) => Vector3::zeros(),
                 };
-                keeps += whole(&Vector3::new(0.0, 0.0, *height), &about) * row;
+                keeps += stack(&Vector3::new(0.0, 0.0, *height), &about) * row;
             }
             state.errors.map(&keeps);
         }
@@ -269,7 +273,7 @@ impl Fixed {
         Ok(())
     }
 
-    /// One step of the state, which is of no use after a failure.
+    /// One step of the state; after a failure the state is undefined.
     pub fn advance(
         &self,
         [before, after]: [&Read; 2],
@@ -317,7 +321,7 @@ impl Fixed {
                 (state.roll, state.pitch) = (attitude.roll, attitude.pitch);
             }
             _ => {
-                state.face(&(start * moved.rotation));
+                state.set_rotation(&(start * moved.rotation));
                 self.measure_tilt(state, after);
             }
         }
@@ -351,8 +355,8 @@ fn off_ground(state: &State, status: Status) -> Refusal {
     Refusal::new(Health::OFF_GROUND, Error::value("ground", rule, value))
 }
 
-/// A covariance that is symmetric and has no negative variance; infinite ones, where they may be, say nothing of a
-/// direction.
+/// Fails unless a covariance is symmetric without negative variances. Infinite variances, where allowed, are those of
+/// directions that were not measured.
 pub(crate) fn check_covariance(covariance: [[f64; 6]; 6], may_be_infinite: bool) -> Result<Matrix6<f64>, Error> {
     let mut matrix = Matrix6::from(covariance);
     for k in 0..6 {

@@ -1,7 +1,8 @@
-//! The displacement over one step in space, from what wheels, joints and an IMU read.
+//! The displacement over one step in space, from the readings of wheels, joints and an IMU.
 //!
-//! The motion is that of `moving`: at contacts in the middle of the step the rates of body and joints over the whole
-//! of it, as if they were constant. Steering counts as in the plane.
+//! The motion is that of [`Contacts::forward`] at the contacts in the middle of the step, with the changes of wheels
+//! and joints over the whole step in place of their rates, as if these were constant. Steering is treated as in the
+//! plane.
 
 use nalgebra::Vector6;
 
@@ -9,23 +10,23 @@ use super::noise::{displacement_errors, fuse_yaw_increment};
 use super::readings::{StepReadings, TiltPair, WheelMotion};
 use super::site::{ContactSource, Place};
 use super::spread::StepNoise;
-use crate::{COLUMNS, Climb, Contacts, Found, Readings, Row, Unmapped};
+use crate::{COLUMNS, ClimbInput, Contacts, Readings, Row, SiteContacts, Unmapped};
 use six_wheel_kinematics::geometry::sinc;
 use six_wheel_numerics::error::HUGE;
 use six_wheel_numerics::error::{Error, ErrorKind, numbers};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
-/// Rounds in which turn, contacts and displacement are solved for together.
+/// Rounds of the fixed point of turn, contacts and displacement.
 const ROUNDS: usize = 12;
 
-/// Change of displacement [m] and turn [rad] at which they are solved.
+/// Change of displacement [m] and turn [rad] below which the rounds end.
 const FOUND: f64 = 1e-14;
 
 /// Result of a step.
 pub(crate) struct Step {
     /// `log(start⁻¹ end)`
     pub tangent: Vector6<f64>,
-    /// Change of the yaw, where the tilt at both ends was measured [rad].
+    /// Change of the yaw, where the tilt at both ends was measured [rad]; else None.
     pub yaw: Option<f64>,
     pub noise: StepNoise,
     /// Distance that every contact slid along its rim and to the left [m].
@@ -72,23 +73,26 @@ pub(crate) fn displace(step: &StepReadings<'_>, site: &ContactSource<'_>) -> Res
     Ok(Step { tangent, yaw: tilt.map(|_| yaw), noise, slid: motion.slid, slips, slopes: motion.slopes })
 }
 
-/// Input of a step for the motion on the ground: rates over the whole of it, angles in its middle.
-struct Input {
+/// Readings of a step for the motion on the ground: changes over the whole of it, angles in its middle.
+struct MeanReadings {
+    /// Rotations of the wheels, times the chord of their steering [rad].
     speeds: [f64; MAX_WHEELS],
-    /// Steering angles in the middle.
+    /// Steering angles in the middle [rad].
     angles: [f64; MAX_WHEELS],
-    /// Their changes.
+    /// Changes of the steering angles, times their chord [rad].
     swivels: [f64; MAX_WHEELS],
+    /// Free angles in the middle [rad].
     joints: [f64; MAX_FREE],
+    /// Changes of the free angles [rad].
     turned: [f64; MAX_FREE],
     wheels: usize,
     steered: usize,
     free: usize,
 }
 
-impl Input {
-    /// A pivot whose wheel steers by `d` meanwhile goes along an arc in body axes, whose chord is `sin(d/2) / (d/2)` of
-    /// the distance that the wheel rolled, as in the plane.
+impl MeanReadings {
+    /// The pivot of a wheel that steers by `d` during the step moves along an arc in body axes, whose chord is
+    /// `sin(d/2) / (d/2)` of the distance that the wheel rolled, as in the plane.
     fn of(step: &StepReadings<'_>) -> Self {
         let chain = step.chain;
         let mut input = Self {
@@ -145,7 +149,7 @@ impl Input {
             ContactSource::Ground(place) => {
                 let contacts = Contacts::new(chain, &place.footing());
                 contacts.map(|contacts| {
-                    SiteConstants::Ground(Found {
+                    SiteConstants::Ground(SiteContacts {
                         contacts: contacts.sharing_sides(),
                         at: place.stand.wheels.map(|contact| contact.at),
                         slopes: [0.0; MAX_WHEELS],
@@ -160,17 +164,17 @@ impl Input {
     }
 
     /// The contacts there, sides shared, as far as the motion is known.
-    fn contacts(&self, step: &StepReadings<'_>, constants: &SiteConstants<'_>, motion: Option<&Row>) -> Found {
+    fn contacts(&self, step: &StepReadings<'_>, constants: &SiteConstants<'_>, motion: Option<&Row>) -> SiteContacts {
         match constants {
             SiteConstants::Unmapped(unmapped) => {
-                let climb = Climb {
+                let climb = ClimbInput {
                     motion,
                     turned: &self.speeds[..self.wheels],
                     slopes: step.slopes,
-                    doubt: step.centre_deviation,
+                    deviation: step.centre_deviation,
                 };
                 let found = unmapped.contacts(step.chain, &climb);
-                Found { contacts: found.contacts.sharing_sides(), ..found }
+                SiteContacts { contacts: found.contacts.sharing_sides(), ..found }
             }
             SiteConstants::Ground(found) => *found,
         }
@@ -181,12 +185,12 @@ impl Input {
 #[allow(clippy::large_enum_variant)] // one per step, on the stack
 enum SiteConstants<'a> {
     Unmapped(Unmapped<'a>),
-    Ground(Found),
+    Ground(SiteContacts),
 }
 
 /// Displacement of the first half of a step from a settled start, in axes of its body.
 pub(crate) fn half_displacement(step: &StepReadings<'_>, start: &Place) -> Option<Vector6<f64>> {
-    let input = Input::of(step);
+    let input = MeanReadings::of(step);
     let constants = input.stand(step.chain, &ContactSource::Ground(start)).ok()?;
     let found = input.contacts(step, &constants, None);
     let half = Vector6::from(found.contacts.forward(&input.readings(None), step.radii).twist) * 0.5;
@@ -195,35 +199,36 @@ pub(crate) fn half_displacement(step: &StepReadings<'_>, start: &Place) -> Optio
 
 /// Steering angles in the middle of a step.
 pub(crate) fn middle_angles(step: &StepReadings<'_>) -> [f64; MAX_WHEELS] {
-    Input::of(step).angles
+    MeanReadings::of(step).angles
 }
 
-/// The motion of the wheels. With measured tilt the yaw is what makes the body turn about its own z axis as the wheels
-/// say; without a map contacts are where the wheels go.
+/// The motion by the wheels. With measured tilt the change of yaw is that for which the body's rotation about its z
+/// axis is the one that fits the wheels; without a map the contact angles follow from the directions of the wheels'
+/// motion.
 fn wheel_motion(
     step: &StepReadings<'_>,
     site: &ContactSource<'_>,
     tilt: Option<&TiltPair>,
 ) -> Result<WheelMotion, Error> {
-    let input = Input::of(step);
+    let input = MeanReadings::of(step);
     let constants = input.stand(step.chain, site)?;
     let mut yaw = tilt.and_then(|tilt| tilt.yaw).unwrap_or(0.0);
     let mut rates: Option<Row> = None;
     let mut round = 0;
     loop {
         let turn = tilt.map(|tilt| tilt.turn(yaw));
-        let Found { contacts, at, slopes } = input.contacts(step, &constants, rates.as_ref());
+        let SiteContacts { contacts, at, slopes } = input.contacts(step, &constants, rates.as_ref());
         let body = turn.map(|turn| [turn.x, turn.y, f64::NAN]);
         let readings = input.readings(body.as_ref());
-        let moving = contacts.forward(&readings, step.radii);
-        if moving.twist.iter().any(|rate| rate.is_nan()) {
+        let fitted = contacts.forward(&readings, step.radii);
+        if fitted.twist.iter().any(|rate| rate.is_nan()) {
             let rule = "determine the motion, with attitude and joints";
             let value = numbers(&step.turned[..input.wheels]);
             return Err(Error::value("wheel_angles", rule, value).of_kind(ErrorKind::Underdetermined));
         }
         let mut now = [0.0; COLUMNS];
-        now[..6].copy_from_slice(&moving.twist);
-        now[6..].copy_from_slice(&moving.joint_rates);
+        now[..6].copy_from_slice(&fitted.twist);
+        now[6..].copy_from_slice(&fitted.joint_rates);
         let mut missing: f64 = 0.0;
         if let (Some(TiltPair { up, yaw: None, .. }), Some(turn)) = (tilt, turn) {
             missing = now[5] - turn.z;
@@ -241,14 +246,14 @@ fn wheel_motion(
         round += 1;
         if (missing.abs() <= FOUND && change <= FOUND) || round == ROUNDS {
             return Ok(WheelMotion {
-                twist: moving.twist,
+                twist: fitted.twist,
                 turn,
                 yaw,
                 response: contacts.response(&readings, step.radii),
                 contacts,
                 at,
                 slopes,
-                slid: moving.residual.map(|[_, along, aside]| [along, aside]),
+                slid: fitted.residual.map(|[_, along, aside]| [along, aside]),
             });
         }
     }

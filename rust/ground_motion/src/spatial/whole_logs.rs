@@ -1,4 +1,4 @@
-//! Whole logs in space.
+//! Odometry of whole logs in space.
 
 use super::Odometry3;
 use super::sample::{Read, Recording3, Sample3, attitude};
@@ -11,15 +11,15 @@ use six_wheel_odometry::whole_logs::{LogMemory, LogOdometry};
 /// Output of a log, one row per sample.
 #[derive(Debug)]
 pub struct TrackRows3<'a> {
-    /// x, y, z, roll, pitch, yaw.
+    /// x, y, z [m], roll, pitch, yaw [rad].
     pub poses: &'a mut [[f64; 6]],
-    /// Twists.
+    /// Twists in axes of the body [m/s, rad/s].
     pub twists: &'a mut [[f64; 6]],
-    /// Covariances of the poses; None to do without.
+    /// Covariances of the poses; None if they are not needed.
     pub covariances: Option<&'a mut [[f64; 36]]>,
-    /// Slip of the wheels along their rims and to their left [m/s], row after row; None to do without.
+    /// Slip of the wheels along their rims and to their left [m/s], row after row; None if it is not needed.
     pub slips: Option<&'a mut [[f64; 2]]>,
-    /// Flags.
+    /// Flags of [`Health`].
     pub health: &'a mut [u32],
 }
 
@@ -42,7 +42,7 @@ impl LogOdometry for Odometry3 {
         recording.stamps.len()
     }
 
-    /// A row of a log. On a map a row without an attitude goes by the map.
+    /// A row of a log. On a map an attitude of NaN is none, and the tilt follows from the map.
     fn row<'a>(&self, recording: &'a Recording3<'_>, k: usize) -> Result<Sample3<'a>, Error> {
         let chain = &self.fixed.chain;
         let part = |all: &'a [f64], width: usize| &all[k * width..(k + 1) * width];
@@ -71,7 +71,7 @@ impl LogOdometry for Odometry3 {
     }
 
     fn try_update(&mut self, sample: Sample3<'_>) -> Result<Health, Refusal> {
-        self.take(sample)
+        self.update_or_refuse(sample)
     }
 
     fn set_reference_stamp(&mut self, stamp: f64) {

@@ -13,7 +13,7 @@ use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 /// Angle of a joint, and the lanes in which it has none.
 #[derive(Clone, Copy)]
 pub(crate) struct JointAngle<S: Vector> {
-    /// Rotation from the axes in which the wheels are given.
+    /// Sine and cosine of the rotation from the axes in which the wheels are given.
     pub turned: Turned<S>,
     pub angle: Lanes<S>,
     /// Lanes in which its wheels slip at every angle.
@@ -24,7 +24,7 @@ pub(crate) struct JointAngle<S: Vector> {
 
 #[inline_always]
 impl<S: Vector> JointAngle<S> {
-    /// An angle that is given.
+    /// A given angle; `from` is that of the axes in which the wheels are given.
     pub fn given(simd: S, angle: Lanes<S>, from: Lanes<S>) -> Self {
         let no = Mask::splat(simd, false);
         Self { turned: direction_of(simd, angle - from), angle, slips: no, outside: no }
@@ -57,7 +57,7 @@ impl<S: Vector> JointAngle<S> {
         self.slips | self.outside
     }
 
-    /// This in some lanes, the other in the rest.
+    /// This angle in some lanes, the other one in the rest.
     pub(super) fn where_in(self, lanes: Mask<S>, other: Self) -> Self {
         Self {
             turned: (lanes.select(self.turned.0, other.turned.0), lanes.select(self.turned.1, other.turned.1)),
@@ -99,13 +99,14 @@ pub(crate) fn check<S: Vector>(
             ];
         }
     }
-    refusal(chain, span, &failures, &touches).map_or(Ok(()), Err)
+    first_error(chain, span, &failures, &touches).map_or(Ok(()), Err)
 }
 
-/// Error of the first row in which a joint has no angle, with the name of its first wheel, of those that touch if one does.
-/// Of each joint the lanes in which its wheels slip at every angle, those in which its angle is out of range, and the angle.
+/// Error of the first row in which a joint has no angle, with the name of its first touching wheel, or of its first
+/// wheel if none touches. `failures` holds of each joint the lanes in which its wheels slip at every angle, those in
+/// which its angle is out of range, and the angle [rad].
 #[cold]
-fn refusal(chain: &Chain, span: Span, failures: &[[Column; 3]], touching: &[Column; MAX_WHEELS]) -> Option<Error> {
+fn first_error(chain: &Chain, span: Span, failures: &[[Column; 3]], touching: &[Column; MAX_WHEELS]) -> Option<Error> {
     for lane in 0..span.count {
         for (joint, [slips, outside, angle]) in failures.iter().enumerate() {
             let of = |wheel: &usize| chain.steering_joint(*wheel) == Some(joint);

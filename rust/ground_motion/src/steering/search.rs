@@ -1,8 +1,8 @@
-//! Angles of steered wheels: the root of the sideways velocity of what a joint steers ([`SideSlip`]), inside the range of
-//! the joint.
+//! Angles of steering joints: the root of the mean sideways velocity of a joint's wheels ([`SideSlip`]) inside the
+//! range of the joint.
 //!
-//! Newton's method, with the second derivative, starts where the touching points go; where its steps do not shrink the root
-//! is bracketed. Half a turn from a root is one too, but for wheels beside their axis.
+//! Newton's method with the second derivative starts at the direction of the touching points' velocity; where its steps
+//! do not shrink the root is bracketed. For wheels on their axis the angle half a turn from a root is a root too.
 
 use std::f64::consts::PI;
 
@@ -28,10 +28,10 @@ const CONVERGED_STEP: f64 = 1e-8;
 /// The same where the second derivative is known too: the error is about its cube.
 const CONVERGED_BENT_STEP: f64 = 2e-6;
 
-/// Rounding of a sine, as a share of the speeds it is made of, and of an angle [rad].
+/// Rounding of the sideways velocity, as a share of the speeds that it is a sum of, and of an angle [rad].
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Derivatives below this share of the speeds they are made of are those of a nearly double root.
+/// A derivative below this share of the speeds that it is a sum of means a nearly double root.
 const FLAT: f64 = 0.02;
 
 /// Steps of a search for a bracket, over half a turn to either side.
@@ -45,10 +45,10 @@ pub(crate) struct SteeringInput<'a, S: Vector> {
     pub chain: &'a Chain,
     /// Range of every joint.
     pub ranges: &'a [SteeringRange],
-    /// Of every wheel, at the angles `from` of the joints [rad].
+    /// Axes of every wheel at the angles `from` of the joints [rad].
     pub axes: &'a [WheelAxes<S>],
     pub from: &'a [Lanes<S>; MAX_WHEELS],
-    /// Angles of joints whose wheels rest [rad].
+    /// Angles for joints whose wheels rest [rad].
     pub held: &'a [Lanes<S>; MAX_WHEELS],
     /// 1 where a wheel touches.
     pub touching: &'a [Lanes<S>; MAX_WHEELS],
@@ -56,8 +56,8 @@ pub(crate) struct SteeringInput<'a, S: Vector> {
     pub known: Mask<S>,
 }
 
-/// Turns every joint to where the touching points of its wheels go, forwards or backwards, whichever is nearer to `from`;
-/// None for joints without a wheel.
+/// Angle of every joint at which its wheels have no sideways velocity: of the two, rolling forwards and backwards, the
+/// one nearer to `from`. None for joints without a wheel.
 #[inline(always)]
 pub(crate) fn steer<S: Vector>(simd: S, input: &SteeringInput<'_, S>) -> [Option<JointAngle<S>>; MAX_WHEELS] {
     let slip = SideSlip::new(simd, input.chain, input.axes, input.touching);
@@ -77,7 +77,7 @@ pub(crate) fn steer<S: Vector>(simd: S, input: &SteeringInput<'_, S>) -> [Option
         }
     }
     let mut angles = [None; MAX_WHEELS];
-    // Half a turn from a root there need not be another one: then it is looked for from there.
+    // For wheels beside their axis the angle half a turn from a root need not be one: the second search starts there.
     for _ in 0..2 {
         find_roots(simd, &slip, &mut searches);
         let (mut again, mut any) = ([no; MAX_WHEELS], no);
@@ -96,12 +96,12 @@ pub(crate) fn steer<S: Vector>(simd: S, input: &SteeringInput<'_, S>) -> [Option
                 found = JointAngle::in_range(simd, input.ranges[k], held, turned).where_in(rests[k], found);
             }
             if let Some(before) = angle {
-                found = found.where_in(search.wanted, *before);
+                found = found.where_in(search.searched, *before);
             }
             *angle = Some(found);
             if joint.is_offset {
                 let stays = (found.angle - asked).abs().le(zero);
-                again[k] = search.wanted & !(stays | found.failed());
+                again[k] = search.searched & !(stays | found.failed());
                 any = any | again[k];
             }
         }
@@ -146,14 +146,14 @@ fn find_roots<S: Vector>(simd: S, slip: &SideSlip<'_, S>, searches: &mut [RootSe
 /// Search for the root of one joint.
 #[derive(Clone, Copy)]
 struct RootSearch<S: Vector> {
-    /// Angle of the start, of wheels beside their axis [rad], and its direction.
+    /// Start angle for wheels beside their axis [rad], its direction, and the direction of the present iterate.
     start: Lanes<S>,
     from: Turned<S>,
     turned: Turned<S>,
     /// Length of the last step [rad].
     last: Lanes<S>,
     /// Lanes that are searched, those in which the root is not found yet, and those in which there is none.
-    wanted: Mask<S>,
+    searched: Mask<S>,
     open: Mask<S>,
     failed: Mask<S>,
     /// Lanes in which the root was bracketed, and the root [rad].
@@ -163,23 +163,23 @@ struct RootSearch<S: Vector> {
 
 #[inline_always]
 impl<S: Vector> RootSearch<S> {
-    fn new(simd: S, from: Turned<S>, wanted: Mask<S>) -> Self {
+    fn new(simd: S, from: Turned<S>, searched: Mask<S>) -> Self {
         let (zero, no) = (all(simd, 0.0), Mask::splat(simd, false));
         Self {
             start: zero,
             from,
             turned: from,
             last: all(simd, 0.5),
-            wanted,
-            open: wanted,
+            searched,
+            open: searched,
             failed: no,
             bracketed: no,
             root: zero,
         }
     }
 
-    /// A step of Newton's method where it is open; lanes that have found their root wait for the others, so that no lane
-    /// depends on another.
+    /// A step of Newton's method in the open lanes; lanes that have converged keep their angle, so that no lane depends
+    /// on another.
     fn step(&mut self, simd: S, [value, by, bend]: Vectors<S>, size: Lanes<S>, last: f64) {
         let inverse = all(simd, 1.0) / by;
         let newton = -(value * inverse);
@@ -213,8 +213,8 @@ impl<S: Vector> RootSearch<S> {
         (self.bracketed.select(self.root, self.start + angle_of(simd, step)), self.turned)
     }
 
-    /// The root nearest to the start, by looking to either side of it. Half a turn from an angle the sign is the other but
-    /// for wheels beside their axis: only those may have none.
+    /// The root nearest to the start, by a search for a change of sign to either side of it. The sign half a turn away
+    /// is the opposite one, except for wheels beside their axis: only these may have no root.
     fn bracket(&mut self, simd: S, slip: &SideSlip<'_, S>, joint: usize, lost: Mask<S>) {
         let zero = all(simd, 0.0);
         let start = match slip.joints[joint].is_offset {
@@ -243,17 +243,17 @@ impl<S: Vector> RootSearch<S> {
         }
         self.failed = open;
         self.bracketed = lost & !open;
-        self.root = inside(simd, slip, joint, [near, far], rises, self.bracketed);
+        self.root = root_in_bracket(simd, slip, joint, [near, far], rises, self.bracketed);
         let (sin, cos) = direction(simd, self.root);
         let (s, c) = self.turned;
         self.turned = (self.bracketed.select(sin, s), self.bracketed.select(cos, c));
     }
 }
 
-/// The root between two angles at which the sign differs, positive at the near one where `positive`: Newton's method where
-/// it more than halves the interval, halves elsewhere.
+/// The root between two angles with different signs, positive at `near` where `positive`: Newton steps that more than
+/// halve the interval, else bisection.
 #[inline(always)]
-fn inside<S: Vector>(
+fn root_in_bracket<S: Vector>(
     simd: S,
     slip: &SideSlip<'_, S>,
     joint: usize,

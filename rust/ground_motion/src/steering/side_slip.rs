@@ -7,8 +7,8 @@
 //! q s = a . (v - n (n . v) + r q (n x w))
 //! ```
 //!
-//! Without the last term, or where the ground is upright to the wheel, that is a sine of the steering angle. The last term
-//! has the other sign where the far side of the rim touches.
+//! Without the last term, or where `n` is parallel to the steering axis, that is a sinusoid of the steering angle. The
+//! last term has the opposite sign where the far side of the rim touches.
 
 use crate::lanes::columns::inverse_length;
 use six_wheel_numerics::simd::lanes::Lanes;
@@ -16,17 +16,17 @@ use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all, along, cross, dot, from_turned, less, scaled, sum};
 use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
-/// A wheel in its own axes: ahead, to the left and up at a given steering angle.
+/// A wheel in its own axes at a given steering angle: ahead, to the left and upwards.
 #[derive(Clone, Copy)]
 pub(crate) struct WheelAxes<S: Vector> {
-    /// Of the ground.
+    /// Unit normal of the ground.
     pub normal: Vectors<S>,
-    /// Velocity of its centre [m/s], and rotation of its carrier [rad/s].
+    /// Velocity of its centre [m/s], and angular velocity of the link that carries it [rad/s].
     pub velocity: Vectors<S>,
     pub turn: Vectors<S>,
     /// The sign bit where the far side of its rim touches.
     pub side: Lanes<S>,
-    /// Its centre from a point of the steering axis: ahead, to the left and upwards [m].
+    /// Its centre relative to a point of the steering axis: ahead, to the left and upwards [m].
     pub offset: [f64; 3],
     pub radius: f64,
 }
@@ -45,7 +45,8 @@ impl<S: Vector> WheelAxes<S> {
         self.offset[..2] != [0.0; 2]
     }
 
-    /// Velocity that a rotation about the steering axis adds to that of its centre [m/s], and the derivative by the angle.
+    /// Difference of the velocities of its centre after and before a rotation about the steering axis [m/s], and its
+    /// derivative by the angle.
     #[inline(always)]
     fn offset_velocity(&self, simd: S, (sin, cos): Turned<S>) -> (Vectors<S>, Vectors<S>) {
         let zero = all(simd, 0.0);
@@ -55,7 +56,7 @@ impl<S: Vector> WheelAxes<S> {
         (moved, cross(self.turn, [-left, ahead, zero]))
     }
 
-    /// Rate of its encoder when it rolls at a contact angle, turned like this [rad/s]: `v . T / r - w . axle`.
+    /// Rate of its encoder when it rolls at a contact angle, steered by `turned` [rad/s]: `v . T / r - w . axle`.
     #[inline(always)]
     pub fn rolling_speed(&self, simd: S, turned: Turned<S>, at: Turned<S>) -> Lanes<S> {
         let mut velocity = self.velocity;
@@ -68,7 +69,7 @@ impl<S: Vector> WheelAxes<S> {
         along.mul_add(all(simd, 1.0 / self.radius), -turning)
     }
 
-    /// The normal along the wheel's forward and upward axes where it is turned like this.
+    /// The normal along the wheel's forward and upward axes, steered by `turned`.
     #[inline(always)]
     pub fn normal_in_plane(&self, turned: Turned<S>) -> [Lanes<S>; 2] {
         let [ahead, _, up] = from_turned(turned, self.normal);
@@ -80,10 +81,11 @@ impl<S: Vector> WheelAxes<S> {
 #[derive(Clone, Copy)]
 pub(super) struct SideSlipFunction<'a, S: Vector> {
     axes: &'a WheelAxes<S>,
-    /// `r n x w`, and the centre's velocity along the ground [m/s].
+    /// `r n x w` with the sign of the side of the rim, and `v - n (n . v)` [m/s].
     rim: Vectors<S>,
     slide: Vectors<S>,
-    /// 1, or 0 for a wheel in the air beside one that touches.
+    /// Factor of the wheel in the sum of its joint: 1, or 0 for a wheel in the air if another wheel of the joint
+    /// touches.
     counts: Lanes<S>,
 }
 
@@ -96,10 +98,11 @@ impl<'a, S: Vector> SideSlipFunction<'a, S> {
         Self { axes, rim, slide: less(velocity, along), counts }
     }
 
-    /// `q s` [m/s], its derivative by the angle, and the second one beside that of a sine, for wheels on their axis.
+    /// `q s` [m/s], its first derivative by the angle, and its second derivative less that of a sinusoid, `-q s`; the
+    /// latter for wheels on their axis.
     fn at(&self, simd: S, turned: Turned<S>) -> Vectors<S> {
         let normal = self.axes.normal;
-        // The tilt of the axle against the ground has minus `level` as its derivative.
+        // The derivative of `tilt = a . n` by the angle is minus `level`.
         let [level, tilt, up] = from_turned(turned, normal);
         let square = level.mul_add(level, up * up);
         let inverse = inverse_length(simd, square);
@@ -109,7 +112,7 @@ impl<'a, S: Vector> SideSlipFunction<'a, S> {
         let mut value = share.mul_add(rim, across);
         let slope = tilt * level * inverse;
         let mut by = slope.mul_add(rim, -share.mul_add(rim_ahead, ahead));
-        // Of the length itself the second derivative, then what changes with it.
+        // The second derivative of `q`, then `q'' rim + 2 q' rim'`.
         let bend = (tilt * tilt - slope.mul_add(slope, level * level)) * inverse;
         let mut bend = bend.mul_add(rim, -((slope + slope) * rim_ahead));
         if self.axes.is_offset() {
@@ -124,7 +127,7 @@ impl<'a, S: Vector> SideSlipFunction<'a, S> {
         scaled([value, by, bend], self.counts)
     }
 
-    /// Velocity of the touching point as the wheel points now: ahead and to the left [m/s].
+    /// Velocity of the touching point at the given steering angle: ahead and to the left [m/s].
     fn velocity(&self, simd: S) -> [Lanes<S>; 2] {
         let [nx, _, nz] = self.axes.normal;
         let square = nx.mul_add(nx, nz * nz);
@@ -132,16 +135,16 @@ impl<'a, S: Vector> SideSlipFunction<'a, S> {
         [ahead * self.counts, left * self.counts]
     }
 
-    /// Speeds of which these are made, or more [m/s].
+    /// A bound of the speeds that the sideways velocity is a sum of [m/s].
     fn size(&self, simd: S) -> Lanes<S> {
         let [ahead, left, _] = self.axes.offset;
-        // The rim is not faster than its radius times that.
+        // `|r n x w|` is at most `r |w|`.
         let arm = all(simd, ahead.hypot(left) + 1.5 * self.axes.radius);
         sum_of_sizes(self.axes.turn).mul_add(arm, sum_of_sizes(self.axes.velocity)) * self.counts
     }
 }
 
-/// A bound of a vector's length.
+/// Sum of the magnitudes of a vector's components: a bound of its length.
 #[inline(always)]
 fn sum_of_sizes<S: Vector>([x, y, z]: Vectors<S>) -> Lanes<S> {
     x.abs() + y.abs() + z.abs()
@@ -152,9 +155,9 @@ fn sum_of_sizes<S: Vector>([x, y, z]: Vectors<S>) -> Lanes<S> {
 pub(super) struct JointWheels<S: Vector> {
     /// Bits of the wheels.
     wheels: u32,
-    /// Sum of the velocities of the touching points as the wheels point now, ahead and to the left [m/s].
+    /// Sum of the velocities of the touching points at the given steering angles, ahead and to the left [m/s].
     pub velocity: [Lanes<S>; 2],
-    /// Speeds of which the sideways velocity is made, or more [m/s].
+    /// A bound of the speeds that the sideways velocity is a sum of [m/s].
     pub size: Lanes<S>,
     /// True if the centre of a wheel lies off the steering axis.
     pub is_offset: bool,
@@ -176,7 +179,8 @@ pub(super) struct SideSlip<'a, S: Vector> {
 
 #[inline_always]
 impl<'a, S: Vector> SideSlip<'a, S> {
-    /// Of wheels in these axes. Wheels of a joint in the air do not count beside one that touches.
+    /// The functions of wheels in these axes. A wheel in the air is left out of the sum of its joint if another one
+    /// touches.
     pub fn new(simd: S, chain: &Chain, axes: &'a [WheelAxes<S>], touching: &[Lanes<S>; MAX_WHEELS]) -> Self {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let none = JointWheels { wheels: 0, velocity: [zero; 2], size: zero, is_offset: false };

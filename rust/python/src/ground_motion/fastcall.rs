@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use six_wheel_ground_motion::{
-    Command, Commands, Drives, Driving, Lift, Movings, ReadingRows, SettledPoses, Turns, View, forward_rows,
+    BodyMotions, Command, Commands, Drives, Driving, Lift, ReadingRows, SettledPoses, Turns, View, forward_rows,
     inverse_rows, traction_rows,
 };
 use six_wheel_numerics::error::LARGEST;
@@ -159,14 +159,14 @@ fn forward<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, steering, speeds]: 
         angular_velocity: None,
         weights: None,
     };
-    let movings = Movings {
+    let motions = BodyMotions {
         twists: &mut one.twist,
         joint_rates: &mut one.joint_rates[..one.joints],
         residuals: one.residual[..wheels].as_flattened_mut(),
     };
     let workers = any_workers(None, None).ok()?;
     let prepared = &suspension.motion;
-    forward_rows(chain, prepared, &footings(stand), &readings, movings, workers).ok()?;
+    forward_rows(chain, prepared, &footings(stand), &readings, motions, workers).ok()?;
     let motion = Bound::new(py, GroundMotion(Columns::Single(one))).ok()?;
     Some(motion.into_any())
 }

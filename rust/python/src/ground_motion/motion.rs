@@ -1,7 +1,7 @@
 //! `Suspension.inverse` and `Suspension.forward`.
 
 use pyo3::prelude::*;
-use six_wheel_ground_motion::{Command, Commands, Movings, ReadingRows, View, forward_rows, inverse_rows};
+use six_wheel_ground_motion::{BodyMotions, Command, Commands, ReadingRows, View, forward_rows, inverse_rows};
 use six_wheel_numerics::error::LARGEST;
 
 use super::results::{Columns, GroundCommand, GroundMotion};
@@ -185,9 +185,9 @@ methods! { Suspension:
             weights: weights.as_deref(),
         };
         let [twists, rates, residuals] = results.flat();
-        let movings = Movings { twists: twists.as_chunks_mut().0, joint_rates: rates, residuals };
+        let motions = BodyMotions { twists: twists.as_chunks_mut().0, joint_rates: rates, residuals };
         compute_rows(py, count, &leading, || {
-            forward_rows(chain, &self.motion, &footings, &readings, movings, workers)
+            forward_rows(chain, &self.motion, &footings, &readings, motions, workers)
         })?;
         Ok(GroundMotion(Columns::Batch(results.finish_arrays()?)))
     }
