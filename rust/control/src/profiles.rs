@@ -1,12 +1,12 @@
 //! Profiles of one or several axes with three derivatives, and the transitions of a rover built on them.
 //!
-//! Every profile is a chain of pieces of constant jerk per axis: [`shapes`] in a given time, [`optimal`] in the least
-//! time. Transitions give the motion of the wheels as a function of time: [`sampling`] profiles the body's twist or each
-//! module's own angle and speed, [`icr`] moves the centre of rotation itself.
+//! A profile is a sequence of pieces of constant jerk per axis: [`shapes`] in a given time, [`optimal`] in the least
+//! time. Transitions give the motion of the wheels as a function of time: [`sampling`] by profiles of the body's twist
+//! or of each module's angle and speed, [`icr`] by a path of the centre of rotation.
 
 mod chord;
+mod constraints;
 pub mod icr;
-mod laws;
 mod limits;
 pub mod optimal;
 mod phase;
@@ -16,9 +16,9 @@ pub mod sampling;
 pub mod shapes;
 mod timing;
 
+pub use constraints::IcrLimits;
 pub use icr::IcrTransition;
-pub use laws::IcrLimits;
-pub use limits::{Bounds, Moving, Synchronise};
+pub use limits::{AxisState, Bounds, Synchronise};
 pub use optimal::time_optimal;
 pub use phase::{Action, Phase};
 pub use sampling::{BodyTransition, ModuleLimits, ModuleTransition, Modules, Wheels};
@@ -29,7 +29,7 @@ use six_wheel_numerics::error::{Error, number};
 /// A value and its derivatives with respect to time, up to the jerk.
 pub type Derivatives = [f64; 4];
 
-/// A stretch of constant jerk.
+/// A piece of constant jerk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Piece {
     /// Start [s].
@@ -38,7 +38,7 @@ pub(crate) struct Piece {
     pub state: Derivatives,
 }
 
-/// The course of one axis.
+/// The motion of one axis over time.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Axis {
     /// At least one, in the order of their starts, the first of which is 0.
@@ -49,7 +49,7 @@ pub(crate) struct Axis {
     pub end: Derivatives,
 }
 
-/// The course of several axes.
+/// The motion of several axes over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     pub(crate) axes: Vec<Axis>,
@@ -125,7 +125,7 @@ impl Profile {
         Self { axes, duration }
     }
 
-    /// A profile of one axis from 0 to 1, as the share of its way that each of several axes has gone.
+    /// Several axes from `from` to `to` in proportion to this profile of one axis from 0 to 1.
     pub(crate) fn spread(&self, from: &[f64], to: &[f64]) -> Self {
         let axis = |(&from, &to): (&f64, &f64)| {
             let scale = |[value, first, second, third]: Derivatives| {
@@ -166,7 +166,7 @@ impl Profile {
     }
 
     /// State of an axis at a time [s]. Before the start it rests at the start value, after its arrival at the
-    /// end value; at both instants themselves it has the derivatives asked for there.
+    /// end value; at both instants it has the given derivatives.
     pub fn at(&self, axis: usize, time: f64) -> Derivatives {
         self.axes.get(axis).map_or([f64::NAN; 4], |axis| axis.at(time))
     }

@@ -1,7 +1,7 @@
 //! Any commands, times and measured angles: no panic, finite outputs, and once inside their ranges joints stay there.
 
 use six_wheel_control::controller::Limits;
-use six_wheel_control::controller::{Align, Controller, Mode, Options};
+use six_wheel_control::controller::{AlignmentPolicy, Controller, Mode, Options};
 use six_wheel_kinematics::geometry::Twist;
 
 use super::bytes::Bytes;
@@ -19,7 +19,7 @@ pub fn one(data: &[u8]) {
     };
     let options = Options {
         mode: [Mode::Free, Mode::Crab, Mode::FrontOnly, Mode::Spin][usize::from(bytes.byte() % 4)],
-        align: [None, Some(Align::Hold), Some(Align::Cosine)][usize::from(bytes.byte() % 3)],
+        align: [None, Some(AlignmentPolicy::Hold), Some(AlignmentPolicy::Cosine)][usize::from(bytes.byte() % 3)],
         ..Options::default()
     };
     let Ok(mut controller) = Controller::new(&rover, limits, options, None) else {

@@ -1,47 +1,50 @@
-//! At rest: each joint on its own way to the angles of a direction.
+//! Alignment at rest: every joint turns to its angle for a direction, within its own limits.
 
-use super::joints::Into;
-use super::way::Route;
+use super::joints::SolveTarget;
+use super::route::Route;
 use super::{Controller, PATIENCE};
 use crate::motion::goal::Goal;
 use crate::motion::reason;
-use crate::motion::{Held, Motion};
+use crate::motion::{LimitedBy, Motion};
 use six_wheel_kinematics::geometry::Twist;
 
-/// Largest turn of a joint [rad] that is made in motion where it could be made at rest too. A goal whose joints are no
-/// farther from those of another one is near it.
+/// Largest turn of a joint that is made in motion where it could be made at rest [rad]. Goals are near each other if
+/// the angles of their joints differ by less.
 pub(super) const NEAR: f64 = 0.3;
 
-/// The same for joints that have just arrived: the goal went on meanwhile.
+/// The same bound for joints that have just arrived [rad]: the goal has moved meanwhile.
 pub(super) const STILL_NEAR: f64 = 0.6;
 
 /// Share of a time that is rounding.
 const ROUNDING: f64 = 1e-9;
 
 impl Controller {
-    /// Chooses the angles to go to at rest.
+    /// Chooses the target angles of an alignment.
     ///
-    /// Joints under way keep their angles while a goal is near them, unless another one is reached sooner: so the time to
+    /// Moving joints keep their targets while goals are near them, unless others are reached sooner: so the time to
     /// arrival falls, however often the command changes.
     pub(super) fn align_to(&mut self, goal: &Goal, dt: f64) -> Route {
-        self.solve(Twist::from(goal.direction), Into::Candidates);
+        self.solve(Twist::from(goal.direction), SolveTarget::Candidates);
         let sooner = self.time_to(&self.candidates);
         let held = if self.aligned { &self.steering } else { &self.targets };
         let apart = held.iter().zip(&self.candidates).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-        self.astray = if apart <= NEAR { 0.0 } else { self.astray + dt };
+        self.off_goal_time = if apart <= NEAR { 0.0 } else { self.off_goal_time + dt };
         if self.aligned {
-            if sooner > 0.0 && self.astray > 0.0 && self.astray < PATIENCE {
+            if sooner > 0.0 && self.off_goal_time > 0.0 && self.off_goal_time < PATIENCE {
                 return Route::Wait;
             }
         } else if self.route == Route::Align {
             let kept = self.time_to(&self.targets);
-            if (self.astray < PATIENCE || kept <= self.astray) && kept > 0.0 && sooner >= kept * (1.0 - ROUNDING) {
+            if (self.off_goal_time < PATIENCE || kept <= self.off_goal_time)
+                && kept > 0.0
+                && sooner >= kept * (1.0 - ROUNDING)
+            {
                 return Route::Align;
             }
         }
         self.aligned = false;
         self.turn.rate = 0.0;
-        self.astray = 0.0;
+        self.off_goal_time = 0.0;
         self.target = goal.direction;
         std::mem::swap(&mut self.targets, &mut self.candidates);
         Route::Align
@@ -57,7 +60,8 @@ impl Controller {
         times.fold(0.0, f64::max)
     }
 
-    /// Moves each joint on its own way, the body at rest. Returns true if the drive may begin, and the reasons.
+    /// One step of every joint towards its target, the body at rest. Returns true if the body may start to move, and
+    /// the reasons.
     pub(super) fn align(&mut self, goal: Option<&Goal>, dt: f64) -> (bool, u32) {
         let limits = &self.speed_bounds.limits;
         let (rates, change) = ([limits.steering_rate; 2], limits.steering_acceleration);
@@ -73,12 +77,12 @@ impl Controller {
                     let range = wheel.steering().unwrap_or_default();
                     range.clip(self.following.holds[k].unwrap_or(motion.stop(change)))
                 }
-                // Held straight by the mode.
+                // A joint that the mode keeps straight.
                 None => 0.0,
             };
-            let (motion, held) = motion.approach(target, rates, change, dt);
+            let (motion, held) = motion.step_towards(target, rates, change, dt);
             moved |= motion.value != *angle;
-            there &= held == Held::No;
+            there &= held == LimitedBy::Nothing;
             reasons |= held.reason(reason::STEERING_RATE, reason::STEERING_ACCELERATION);
             *angle = motion.value;
             self.steering_rates[k] = motion.rate;
@@ -89,12 +93,12 @@ impl Controller {
         };
         let mut go = false;
         if there {
-            self.settle(self.target);
+            self.set_direction(self.target);
             self.rest_turn();
-            self.astray = 0.0;
+            self.off_goal_time = 0.0;
             self.arrived = true;
             self.route = Route::Along { sign: 1.0 };
-            // A goal that has moved meanwhile is looked at in the next step.
+            // The route to a goal that has moved meanwhile is found in the next step.
             self.rerouted |= self.target != goal.direction;
             go = self.target == goal.direction && (at_once || !moved);
         }

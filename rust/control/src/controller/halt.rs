@@ -1,7 +1,7 @@
 //! A halt, and limits that change during a motion.
 
-use super::route::ANGLE_TOLERANCE;
-use super::way::Route;
+use super::find_route::ANGLE_TOLERANCE;
+use super::route::Route;
 use super::{Controller, PATIENCE, speed_bounds};
 use crate::motion::Motion;
 use crate::motion::envelope::{Envelope, SpeedBounds, fastest};
@@ -27,15 +27,15 @@ impl Controller {
         self.halted
     }
 
-    /// Ends a halt, whatever it came from. Returns false, without effect, while something still moves. Nothing moves
-    /// afterwards before a new command.
+    /// Ends a halt, also one by a stuck joint. Returns false, without effect, while something still moves. Nothing
+    /// moves afterwards before a new command.
     pub fn release(&mut self) -> bool {
         if self.halted && !self.stopped() {
             return false;
         }
         if self.halted {
             self.following.clear();
-            self.astray = PATIENCE;
+            self.off_goal_time = PATIENCE;
         }
         self.halted = false;
         true
@@ -55,7 +55,7 @@ impl Controller {
             if self.joints.is_empty() {
                 self.turn.rate = 0.0;
             }
-            let before = self.rims();
+            let before = self.ground_speeds();
             self.turn_on(None, dt);
             let sign = self.speed.value.signum();
             let slowest = self.slowest(before, self.filled.halt_deceleration * dt);
@@ -69,18 +69,18 @@ impl Controller {
     }
 
     /// Speed of every wheel over the ground [m/s].
-    fn rims(&self) -> [f64; MAX_WHEELS] {
-        let mut rims = [0.0; MAX_WHEELS];
-        for (rim, (wheel, ratio)) in rims.iter_mut().zip(self.rover.wheels().iter().zip(&self.ratios)) {
+    fn ground_speeds(&self) -> [f64; MAX_WHEELS] {
+        let mut ground_speeds = [0.0; MAX_WHEELS];
+        for (rim, (wheel, ratio)) in ground_speeds.iter_mut().zip(self.rover.wheels().iter().zip(&self.ratios)) {
             *rim = (wheel.radius * ratio * self.speed.value).abs();
         }
-        rims
+        ground_speeds
     }
 
     /// The least speed at which no wheel has slowed down over the ground by more than `allowed`, from `before` [m/s].
     fn slowest(&self, before: [f64; MAX_WHEELS], allowed: f64) -> f64 {
         let speed = self.speed.value.abs();
-        let pairs = self.rims().into_iter().zip(before);
+        let pairs = self.ground_speeds().into_iter().zip(before);
         let needed = pairs.filter(|&(now, before)| now > 0.0 && before > allowed);
         needed.map(|(now, before)| speed * (before - allowed) / now).fold(0.0, f64::max).min(speed)
     }
@@ -90,7 +90,7 @@ impl Controller {
         self.at_rest() && (!self.aligned || self.turn.rate == 0.0)
     }
 
-    /// Replaces the limits, from the next step on. A motion beyond them comes down within them without a stop; command,
+    /// Replaces the limits, from the next step on. A motion beyond them slows down into them without a stop; command,
     /// clock and halt stay.
     ///
     /// Fails, without effect, if the rover cannot meet them.
@@ -110,7 +110,7 @@ impl Controller {
         Ok(())
     }
 
-    /// Takes new limits as soon as the motion is ready for them.
+    /// Adopts new limits as soon as the present turn fits them, and the new steering limit once all joints are inside.
     pub(super) fn adopt_limits(&mut self, dt: f64) {
         if let Some(speed_bounds) = self.pending
             && self.is_ready_for(speed_bounds, dt)
@@ -138,7 +138,7 @@ impl Controller {
         }
     }
 
-    /// Takes what follows from new limits if the turn under way can end within them, and returns true.
+    /// Adopts the bounds of new limits and returns true, if the present turn can end within them.
     fn is_ready_for(&mut self, speed_bounds: SpeedBounds, dt: f64) -> bool {
         let old = std::mem::replace(&mut self.speed_bounds, speed_bounds);
         if !self.aligned {
@@ -162,7 +162,7 @@ impl Controller {
         true
     }
 
-    /// The highest speed in the direction there is [m/s].
+    /// The highest speed in the present direction within these bounds [m/s].
     pub(super) fn fastest_by(&self, speed_bounds: &SpeedBounds) -> f64 {
         fastest(&speed_bounds.limits, &self.arc.bounds(self.turn.value, self.turn.value)).value
     }

@@ -5,21 +5,21 @@ use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS};
 
 use super::Controller;
 
-/// The angles to write.
+/// The array that solved angles are written to.
 #[derive(Clone, Copy)]
-pub(super) enum Into {
+pub(super) enum SolveTarget {
     Steering,
     Candidates,
 }
 
 impl Controller {
-    /// The joints start at these angles, or at the ends of the rover's own ranges that are nearer.
+    /// Sets the angles of the joints, clipped to the rover's own ranges.
     pub(super) fn start_at(&mut self, angles: &[f64]) {
         self.steering.copy_from_slice(angles);
         self.given.clip_steering(&mut self.steering);
     }
 
-    /// Brings the angles into the ranges of their joints.
+    /// Clips the angles to the ranges of their joints.
     pub(super) fn set_angles_in_range(&mut self) {
         for (&joint, &i) in self.joints.iter().zip(self.rover.steered()) {
             let range = self.rover.wheels()[i].steering().unwrap_or_default();
@@ -27,8 +27,9 @@ impl Controller {
         }
     }
 
-    /// Angles of a twist, from the present angles; where they become those of the joints, its wheel speeds too.
-    pub(super) fn solve(&mut self, twist: Twist, into: Into) {
+    /// Solves for the angles of a twist, nearest to the present ones; for [`SolveTarget::Steering`] for its wheel
+    /// speeds too.
+    pub(super) fn solve(&mut self, twist: Twist, into: SolveTarget) {
         let count = self.joints.len();
         let (mut previous, mut angles) = ([0.0; MAX_WHEELS], [0.0; MAX_WHEELS]);
         for (value, &joint) in previous.iter_mut().zip(&self.joints) {
@@ -38,8 +39,8 @@ impl Controller {
         let angles = &mut angles[..count];
         // The speeds are those of the last step: they are set anew at the end of every step.
         let (joints, ratios) = match into {
-            Into::Steering => (&mut self.steering, &mut self.ratios),
-            Into::Candidates => (&mut self.candidates, &mut self.speeds),
+            SolveTarget::Steering => (&mut self.steering, &mut self.ratios),
+            SolveTarget::Candidates => (&mut self.candidates, &mut self.speeds),
         };
         self.rover.solve(twist, inputs, angles, ratios);
         joints.fill(0.0);
@@ -48,7 +49,7 @@ impl Controller {
         }
     }
 
-    /// Wheel speeds of the motion, with what turning the wheels about their pivots asks of those with scrub.
+    /// Sets the wheel speeds of the motion; wheels with scrub also roll by their steering rate.
     pub(super) fn set_speeds(&mut self) {
         for (speed, ratio) in self.speeds.iter_mut().zip(&self.ratios) {
             *speed = self.speed.value * ratio;

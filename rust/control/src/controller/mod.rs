@@ -1,31 +1,31 @@
-//! From a wanted twist to joint commands, one step at a time, within limits.
+//! From desired twists to joint commands, one step at a time, within limits.
 //!
-//! A [`Controller`] holds one motion the rover can make: a direction, which is a point of an [`Arc`], and
-//! a speed along it. A step moves both, never a joint or a component of the twist on its own: every output has
-//! one centre of rotation, and while only the speed changes the curvature stays. What the two may do in a step
-//! is a box of constants, the [`Envelope`] of the piece of arc ahead, inside which all limits
-//! hold whatever happens; a better one is taken as soon as the motion fits into it.
+//! A [`Controller`] holds one motion the rover can make: a direction, which is a point of an [`Arc`], and a speed along
+//! it. A step changes both, never a joint or a component of the twist on its own: every output has one centre of
+//! rotation, and while only the speed changes the curvature stays. Both changes are bounded by constants, the
+//! [`Envelope`] of a piece of the arc, inside which all limits hold; a better one is entered as soon as the motion is
+//! inside of it.
 //!
-//! Between directions that no continuous turn of the wheels connects, and from rest, the joints go on their own
-//! while the rover stands.
+//! Between directions that no continuous turn of the wheels connects, and from rest, every joint turns on its own while
+//! the rover stands.
 
-mod ahead;
 mod align;
+mod find_route;
 mod halt;
+mod joint_errors;
 mod joints;
 mod options;
+mod plane_change;
 mod route;
 mod run;
 mod step;
-mod swing;
-mod watch;
-mod way;
+mod turn;
 
 use nalgebra::{Matrix3, Vector3};
 
-pub use self::options::{Align, Options};
+pub use self::options::{AlignmentPolicy, Options};
+use self::route::Route;
 pub use self::run::Steps;
-use self::way::Route;
 use crate::motion::Motion;
 use crate::motion::arc::Arc;
 use crate::motion::envelope::{Envelope, SpeedBounds};
@@ -40,97 +40,103 @@ use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::Rover;
 use six_wheel_numerics::error::{Error, HUGE, TINY, bounded, finite, number};
 
-/// Largest turn of a joint in one step [rad]: less than a quarter turn, so that a wheel does not go the other way round.
+/// Largest turn of a joint in one step [rad]: less than a quarter turn, so that the sense of rotation is unambiguous.
 const LARGEST_TURN: f64 = 1.2;
 
-/// Time for which goals have to be far from the direction that the joints go to before they are sent elsewhere [s], so
-/// that a command which changes at every step does not keep the rover at rest.
+/// Time for which goals have to be far from the targets of the joints before new targets are chosen [s]: a command that
+/// changes at every step must not keep the rover at rest.
 const PATIENCE: f64 = 0.1;
 
-/// A command that was taken.
+/// An accepted command.
 #[derive(Clone, Copy, Debug)]
 struct Command {
     goal: Goal,
     /// The twist and the mode of the call; the goal follows from them and the limits.
     twist: Twist,
     mode: Mode,
+    /// Time of the command [s].
     stamp: f64,
 }
 
-/// A motion on its way to a command.
+/// Controller of one rover: its motion, its limits and the command that it approaches.
 #[derive(Clone, Debug)]
 pub struct Controller {
     /// The rover as it was given.
     given: Rover,
-    /// The rover inside the steering limit and in its mode: how joints are solved for.
+    /// The rover with the steering limit and in its mode: the model for which joints are solved.
     rover: Rover,
-    /// The rover inside a narrower steering limit, until all joints are there: what goals are projected by.
+    /// The rover with a new, narrower steering limit, until all joints are inside: the model that goals are projected
+    /// by.
     narrowed: Option<Rover>,
-    /// The rover's joints among all joints; the others are held at 0.
+    /// Indices of the model's joints among all joints; the others stay at 0.
     joints: Vec<usize>,
-    /// The limits as they were given, and with their defaults.
+    /// The limits as they were given, and with defaults filled in.
     limits: Limits,
     filled: Limits,
     speed_bounds: SpeedBounds,
-    /// The bounds of new limits, until the motion is ready for them.
+    /// The bounds of new limits, until the motion fits them.
     pending: Option<SpeedBounds>,
     options: Options,
-    /// The angles were given: the first measured ones do not replace them.
+    /// True if start angles were given: the first measured ones do not replace them.
     placed: bool,
     scratch: Arc,
-
+    /// Time of the last step [s].
     clock: Option<f64>,
     /// Length of the last step and of the one before [s].
     last_step: f64,
     step_before: f64,
     command: Option<Command>,
-    /// Stamp of the newest command taken.
+    /// Stamp of the newest accepted command [s].
     newest: Option<f64>,
-    /// Reasons to report about commands that were not taken.
+    /// Reasons of rejected commands, to report in the next step.
     ignored: u32,
     stale: bool,
     halted: bool,
     following: Following,
-
+    /// Arc of the present turn.
     arc: Arc,
+    /// Angle on the arc [rad] and its rate [rad/s].
     turn: Motion,
+    /// Speed along the direction [m/s] and its change [m/s²].
     speed: Motion,
-    /// The steering angles are those of the direction.
+    /// True if the steering angles are those of the direction.
     aligned: bool,
     route: Route,
+    /// True if the next step has to find a route.
     rerouted: bool,
     envelope: Envelope,
-    /// Angle at which the envelope was entered.
-    entered: f64,
-    /// The envelope is that of the direction there is.
-    settled: bool,
-    /// The plane of the turn was changed in this step, and its envelope chosen with it.
-    swung: bool,
-    /// The highest speed for the whole turn ahead.
-    ahead: f64,
-
+    /// Angle of the arc at which the envelope was entered [rad].
+    entry_angle: f64,
+    /// True if the envelope is that of the present direction, kept.
+    is_direction_envelope: bool,
+    /// True if the plane of the turn was changed in this step, and its envelope chosen with it.
+    plane_changed: bool,
+    /// The highest speed for the whole rest of the turn [m/s].
+    turn_speed: f64,
+    /// Commanded steering angles [rad] and their rates [rad/s].
     steering: Vec<f64>,
     steering_rates: Vec<f64>,
-    /// Angles that the joints go to at rest, and the direction they are for.
+    /// Target angles of an alignment at rest [rad], and their direction.
     targets: Vec<f64>,
     target: Vector3<f64>,
-    /// Angles of the newest goal.
+    /// Angles of the newest goal [rad].
     candidates: Vec<f64>,
-    /// Time since a goal was near the direction that the joints have or go to [s].
-    astray: f64,
-    /// The joints have arrived there, and the body has not moved since.
+    /// Time since a goal was near the direction of the joints or of their targets [s].
+    off_goal_time: f64,
+    /// True if the joints have arrived at their targets, and the body has not moved since.
     arrived: bool,
-    /// Wheel speeds per unit of speed.
+    /// Wheel speeds per speed along the direction [rad/m].
     ratios: Vec<f64>,
+    /// Commanded wheel speeds [rad/s].
     speeds: Vec<f64>,
     twist: Twist,
     reasons: u32,
 }
 
 impl Controller {
-    /// At rest, the joints at `steering`, or at the first measured angles, or at 0.
+    /// A controller at rest, the joints at `steering` [rad], or at the first measured angles, or at 0.
     ///
-    /// Fails if an option or limit makes no sense, by itself or for this rover.
+    /// Fails if an option or limit is invalid, by itself or for this rover.
     pub fn new(rover: &Rover, limits: Limits, options: Options, steering: Option<&[f64]>) -> Result<Self, Error> {
         options.check()?;
         if rover.size < TINY {
@@ -171,16 +177,16 @@ impl Controller {
             route: Route::Stay,
             rerouted: true,
             envelope,
-            entered: 0.0,
-            settled: false,
-            swung: false,
-            ahead: f64::INFINITY,
+            entry_angle: 0.0,
+            is_direction_envelope: false,
+            plane_changed: false,
+            turn_speed: f64::INFINITY,
             steering: vec![0.0; count],
             steering_rates: vec![0.0; count],
             targets: vec![0.0; count],
             target: along,
             candidates: vec![0.0; count],
-            astray: PATIENCE,
+            off_goal_time: PATIENCE,
             arrived: false,
             ratios: vec![0.0; rover.wheels().len()],
             speeds: vec![0.0; rover.wheels().len()],
@@ -195,27 +201,27 @@ impl Controller {
         Ok(controller)
     }
 
-    /// The same, but already in motion: on the way with the possible twist next to this one, at a steady speed, the
-    /// joints where it needs them. A speed beyond the limits comes down as any other does.
+    /// The controller in motion: at a steady speed with the possible twist nearest to this one, the joints at its
+    /// angles. A speed beyond the limits slows down into them.
     ///
     /// Fails if the twist is not finite.
     pub fn in_motion(mut self, twist: Twist) -> Result<Self, Error> {
         bounded("twist", &<[f64; 3]>::from(twist))?;
         let possible = self.rover.project(twist, Keep::Nearest)?;
         if let Some((speed, direction)) = goal::polar(&self.rover.metric, possible) {
-            self.settle(direction);
+            self.set_direction(direction);
             self.speed = Motion::at(speed);
             self.twist = possible;
-            // Taken even if the speed does not fit into it: then it comes down until it does.
+            // Entered even if the speed is outside: then it slows down until it is inside.
             self.envelope = Envelope::of_direction(&self.speed_bounds, &self.arc, 0.0);
-            self.settled = true;
+            self.is_direction_envelope = true;
             self.placed = true;
             self.set_speeds();
         }
         Ok(self)
     }
 
-    /// Forgets command, clock, halt and fault. The body rests; the joints stay where they were last commanded, or start
+    /// Clears command, clock, halt and fault. The body rests; the joints stay where they were last commanded, or start
     /// at the angles of the next step's measurement, or of `steering` [rad].
     ///
     /// Fails, without effect, unless there is an angle near the rover's own range for every joint.
@@ -236,10 +242,10 @@ impl Controller {
         self.speed = Motion::default();
         self.aligned = false;
         self.envelope.turning = false;
-        self.settled = false;
+        self.is_direction_envelope = false;
         self.route = Route::Stay;
         self.rerouted = true;
-        (self.astray, self.arrived) = (PATIENCE, false);
+        (self.off_goal_time, self.arrived) = (PATIENCE, false);
         self.steering_rates.fill(0.0);
         self.targets.copy_from_slice(&self.steering);
         self.speeds.fill(0.0);
@@ -250,9 +256,9 @@ impl Controller {
         Ok(())
     }
 
-    /// Takes a command given at `stamp` [s]; returns whether it is taken.
+    /// Accepts a command given at `stamp` [s]; returns false if it is rejected.
     ///
-    /// Not taken, and reported by the steps to come, are one that is not finite and one older than the last.
+    /// Rejected, and reported by the following steps, are a command that is not finite and one older than the last.
     /// Fails, without effect, if the stamp is not finite.
     pub fn command(&mut self, twist: Twist, stamp: f64, mode: Option<Mode>) -> Result<bool, Error> {
         finite("stamp", &[stamp])?;
@@ -310,12 +316,12 @@ impl Controller {
         self.twist
     }
 
-    /// Reasons why it is not the motion asked for: bits of [`reason`].
+    /// Reasons why it is not the desired motion: bits of [`reason`].
     pub fn reasons(&self) -> u32 {
         self.reasons
     }
 
-    /// Share of the speed asked for that the limits leave: 1 if none of them binds.
+    /// Share of the desired speed that the limits allow: 1 if none of them is active.
     pub fn speed_share(&self) -> f64 {
         self.command.map_or(1.0, |command| command.goal.share)
     }
@@ -340,8 +346,8 @@ impl Controller {
         &self.options
     }
 
-    /// Way of the body's origin [m], at most, of a stop that begins with the next step, the present speed being held
-    /// until then.
+    /// Upper bound of the distance that the body's origin travels until rest [m], if a stop begins with the next step
+    /// and the speed is constant until then.
     pub fn stopping_distance(&self) -> f64 {
         let sign = if self.speed.value < 0.0 { -1.0 } else { 1.0 };
         let (speed, rate) = (self.speed.value * sign, self.speed.rate * sign);

@@ -11,14 +11,14 @@ use six_wheel_numerics::error::{Error, number, positive};
 
 /// The drive while measured steering angles differ from the commanded ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Align {
-    /// It is reduced by the cosine of the largest error.
+pub enum AlignmentPolicy {
+    /// The speed is reduced by the cosine of the largest error.
     Cosine,
-    /// It waits.
+    /// The speed is 0.
     Hold,
 }
 
-impl Align {
+impl AlignmentPolicy {
     /// Name of the option.
     pub fn name(self) -> &'static str {
         match self {
@@ -28,7 +28,7 @@ impl Align {
     }
 }
 
-impl FromStr for Align {
+impl FromStr for AlignmentPolicy {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self, Error> {
@@ -43,21 +43,21 @@ impl FromStr for Align {
 /// Options of a controller, beside rover and limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
-    /// Age at which a command is too old [s]; infinite for never.
+    /// Age above which a command is stale [s]; infinite for never.
     pub timeout: f64,
     /// Time between steps [s]: of the first step, and of the arcs of `discretise`.
     pub period: Option<f64>,
     /// Longest time one step may count for [s].
     pub max_step: f64,
-    /// The motions that commands mean.
+    /// Motions that a command is restricted to.
     pub mode: Mode,
-    /// The drive while the wheels are not aligned; None: as if they were.
-    pub align: Option<Align>,
-    /// Error of a steering angle that is none [rad].
+    /// Reduction of the speed while measured steering angles differ from the commanded ones; None for none.
+    pub align: Option<AlignmentPolicy>,
+    /// Error of a steering angle up to which the wheel counts as aligned [rad].
     pub align_tolerance: f64,
-    /// Error of a measured steering angle [rad] that lasts for the following time, at most; None for any.
+    /// Error of a measured steering angle above which `following_time` runs [rad]; None for no limit.
     pub following_error: Option<f64>,
-    /// Time for which a joint may be farther from its command [s]; None for ever.
+    /// Longest time for which the error of a joint may exceed `following_error` [s]; None for no limit.
     pub following_time: Option<f64>,
     /// True if a command is the motion of one period, not the velocity at its beginning.
     pub discretise: bool,
@@ -70,7 +70,7 @@ impl Default for Options {
             period: None,
             max_step: 0.1,
             mode: Mode::Free,
-            align: Some(Align::Cosine),
+            align: Some(AlignmentPolicy::Cosine),
             align_tolerance: 0.02,
             following_error: Some(0.2),
             following_time: Some(0.5),
@@ -103,8 +103,7 @@ impl Options {
         Ok(())
     }
 
-    /// The rover as the controller drives it: inside the steering limit, and in its mode. Its joints are those
-    /// that are returned beside it.
+    /// The rover with the steering limit and in its mode, and the indices of its joints among those of `rover`.
     pub(super) fn model(&self, rover: &Rover, limits: &Limits) -> Result<(Rover, Vec<usize>), Error> {
         let mut wheels = rover.wheels().to_vec();
         let places = rover.steered().iter().map(|&i| wheels[i].x).collect::<Vec<_>>();
@@ -120,7 +119,7 @@ impl Options {
                 }
                 wheel.pivot = Pivot::Fixed;
             } else {
-                narrow(wheel, limits.steering_limit)?;
+                restrict_steering(wheel, limits.steering_limit)?;
                 joints.push(joint);
             }
         }
@@ -128,8 +127,8 @@ impl Options {
     }
 }
 
-/// Takes a steering limit into account.
-fn narrow(wheel: &mut Wheel, limit: f64) -> Result<(), Error> {
+/// Restricts the range of a steered wheel to a steering limit [rad].
+fn restrict_steering(wheel: &mut Wheel, limit: f64) -> Result<(), Error> {
     let Some(range) = wheel.steering().filter(|_| limit.is_finite()) else {
         return Ok(());
     };

@@ -15,7 +15,7 @@ pub struct Steps<'a> {
     pub speeds: &'a mut [f64],
     /// The motions they make: vx, vy, omega.
     pub twists: &'a mut [[f64; 3]],
-    /// Reasons why they are not the motions asked for: bits of [`super::reason`].
+    /// Reasons why they are not the desired motions: bits of [`super::reason`].
     pub reasons: &'a mut [u32],
 }
 

@@ -1,14 +1,15 @@
 //! Directions of motion along a great circle of twist space, and the speeds of body and wheels in each.
 //!
 //! A twist is a speed times a direction: a twist of unit length, by the root mean square of the pivots'
-//! velocities. Straight, spin and crab are points of that sphere like any other. On the way from one direction to
-//! another, along `cos(angle) from + sin(angle) across`, every steered wheel turns one way only, at
+//! velocities. Straight motion, spin and crab motion are points of that sphere. On the arc from one direction to
+//! another, `cos(angle) from + sin(angle) across`, every steered wheel turns in one sense only, at
 //!
 //! ```text
 //! d steering / d angle = cross / |u|²      cross = from_u × across_u, constant
 //! ```
 //!
-//! with the velocity `u` of its pivot; and the square of every velocity is a wave of twice the angle.
+//! with the velocity `u` of its pivot; and the square of every velocity is a constant plus a sinusoid of twice the
+//! angle.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
@@ -21,32 +22,32 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The squared length of a velocity along an arc: `mean + cos cos(2 angle) + sin sin(2 angle)`.
 ///
-/// That of its derivative is the same with the wave turned over.
+/// The squared length of its derivative by the angle is `mean - cos cos(2 angle) - sin sin(2 angle)`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Wave {
+pub struct SquaredSpeed {
     mean: f64,
     cos: f64,
     sin: f64,
 }
 
-impl Wave {
+impl SquaredSpeed {
     fn new(from: Vector2<f64>, across: Vector2<f64>) -> Self {
         let (a, b) = (from.norm_squared(), across.norm_squared());
         Self { mean: f64::midpoint(a, b), cos: (a - b) / 2.0, sin: from.dot(&across) }
     }
 }
 
-/// A velocity's length along a piece of an arc, at most, and that of its derivative.
+/// Upper bounds, on a piece of an arc, of a velocity's length and of the length of its derivative by the angle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bound {
-    /// Per unit of speed.
+    /// Of the velocity, per speed along the direction.
     pub along: f64,
-    /// Per unit of speed and radian.
+    /// Of the derivative, per speed along the direction and radian.
     pub across: f64,
 }
 
 impl Bound {
-    /// Both at most as large.
+    /// Bounds of both velocities.
     fn max(self, other: Self) -> Self {
         Self { along: self.along.max(other.along), across: self.across.max(other.across) }
     }
@@ -61,9 +62,9 @@ impl Bound {
 struct Piece {
     /// Cosine and sine of twice the angle at either end.
     ends: [[f64; 2]; 2],
-    /// More than a quarter turn: then the bounds are those of the whole circle.
+    /// True if the piece is longer than a quarter turn: then the bounds are those of the whole circle.
     long: bool,
-    /// Rounding of the difference of a wave and its mean: on a turn, zero is only nearly zero.
+    /// Rounding of a squared length, as a share of its mean; 0 for a single direction.
     rounding: f64,
 }
 
@@ -82,9 +83,9 @@ impl Piece {
         }
     }
 
-    /// Least and largest value of the wave without its mean, and its steepest slope.
-    fn of(&self, wave: &Wave) -> [f64; 3] {
-        let Wave { cos, sin, .. } = *wave;
+    /// Least and largest value of the sinusoid, and its largest slope by twice the angle.
+    fn of(&self, squared: &SquaredSpeed) -> [f64; 3] {
+        let SquaredSpeed { cos, sin, .. } = *squared;
         let value = |[c, s]: [f64; 2]| cos * c + sin * s;
         let slope = |[c, s]: [f64; 2]| sin * c - cos * s;
         let [v0, v1] = self.ends.map(value);
@@ -94,35 +95,37 @@ impl Piece {
             let height = height();
             return [-height, height, height];
         }
-        // Half a wave has one turning point, and one zero, at most.
+        // Half a period has at most one extremum and one zero.
         let low = if t0 < 0.0 && t1 > 0.0 { -height() } else { v0.min(v1) };
         let high = if t0 > 0.0 && t1 < 0.0 { height() } else { v0.max(v1) };
         let steep = if v0 * v1 < 0.0 { height() } else { t0.abs().max(t1.abs()) };
         [low, high, steep]
     }
 
-    fn bound(&self, wave: &Wave) -> Bound {
-        let [low, high, _] = self.of(wave);
-        self.bound_of(wave, low, high)
+    fn bound(&self, squared: &SquaredSpeed) -> Bound {
+        let [low, high, _] = self.of(squared);
+        self.bound_of(squared, low, high)
     }
 
-    fn bound_of(&self, wave: &Wave, low: f64, high: f64) -> Bound {
-        let rounding = self.rounding * wave.mean;
+    fn bound_of(&self, squared: &SquaredSpeed, low: f64, high: f64) -> Bound {
+        let rounding = self.rounding * squared.mean;
         Bound {
-            along: (wave.mean + high + rounding).max(0.0).sqrt(),
-            across: (wave.mean - low + rounding).max(0.0).sqrt(),
+            along: (squared.mean + high + rounding).max(0.0).sqrt(),
+            across: (squared.mean - low + rounding).max(0.0).sqrt(),
         }
     }
 }
 
 /// The velocity of one wheel along the arc.
 #[derive(Clone, Copy, Debug, Default)]
-struct Spoke {
-    wave: Wave,
-    /// Of a steered wheel: the rate of its angle times the square of its pivot's velocity.
+struct WheelTerm {
+    squared: SquaredSpeed,
+    /// Of a steered wheel: the rate of its angle by the angle of the arc, times the square of its pivot's velocity.
     cross: f64,
+    /// Velocities of its pivot at the two directions of the arc.
     from: Vector2<f64>,
     across: Vector2<f64>,
+    /// Radius and scrub radius [m].
     radius: f64,
     scrub: f64,
     castor: bool,
@@ -137,7 +140,7 @@ pub struct Bounds {
     pub yaw: Bound,
     /// Rotation rate of the fastest wheel.
     pub wheels: Bound,
-    /// The fastest castor's, whose changes are its own affair.
+    /// Rotation rate of the fastest castor, whose acceleration is not limited.
     pub castors: f64,
     /// First and second derivative of the steering angles by the angle of the arc.
     pub steering: [f64; 2],
@@ -148,51 +151,51 @@ pub struct Bounds {
 pub struct Arc {
     from: Vector3<f64>,
     across: Vector3<f64>,
-    linear: Wave,
-    yaw: Wave,
-    spokes: Vec<Spoke>,
+    linear: SquaredSpeed,
+    yaw: SquaredSpeed,
+    wheels: Vec<WheelTerm>,
 }
 
 impl Arc {
-    /// Through a direction, to nowhere in particular.
+    /// An arc that is a single direction.
     pub fn new(rover: &Rover, from: Vector3<f64>) -> Self {
         let mut arc = Self {
             from,
             across: Vector3::zeros(),
-            linear: Wave::default(),
-            yaw: Wave::default(),
-            spokes: vec![Spoke::default(); rover.wheels().len()],
+            linear: SquaredSpeed::default(),
+            yaw: SquaredSpeed::default(),
+            wheels: vec![WheelTerm::default(); rover.wheels().len()],
         };
         arc.set(rover, from, Vector3::zeros());
         arc
     }
 
-    /// Makes it another arc: from one direction, towards one at a right angle to it.
+    /// Replaces the arc by that from one direction towards an orthogonal one.
     pub fn set(&mut self, rover: &Rover, from: Vector3<f64>, across: Vector3<f64>) {
         let twists = [from, across].map(Twist::from);
-        let wave = |part: fn(Twist) -> Vector2<f64>| Wave::new(part(twists[0]), part(twists[1]));
+        let squared = |part: fn(Twist) -> Vector2<f64>| SquaredSpeed::new(part(twists[0]), part(twists[1]));
         self.from = from;
         self.across = across;
-        self.linear = wave(Twist::linear);
-        self.yaw = wave(|twist| Vector2::new(twist.omega, 0.0));
+        self.linear = squared(Twist::linear);
+        self.yaw = squared(|twist| Vector2::new(twist.omega, 0.0));
         let wheels = rover.wheels().iter().zip(&rover.mounts);
-        for (spoke, (wheel, mount)) in self.spokes.iter_mut().zip(wheels) {
+        for (term, (wheel, mount)) in self.wheels.iter_mut().zip(wheels) {
             let velocity = |twist: Twist| match mount {
                 Mount::Fixed(rows) => Vector2::new(rows.rolling.dot(&Vector3::from(twist)), 0.0),
                 _ => twist.at(wheel.x, wheel.y),
             };
             let [a, b] = twists.map(velocity);
-            let wave = Wave::new(a, b);
+            let squared = SquaredSpeed::new(a, b);
             let cross = a.perp(&b);
-            let steered = matches!(mount, Mount::Steered(..)) && cross.abs() > REST * wave.mean;
-            *spoke = Spoke {
-                wave,
+            let steered = matches!(mount, Mount::Steered(..)) && cross.abs() > REST * squared.mean;
+            *term = WheelTerm {
+                squared,
                 cross: if steered { cross } else { 0.0 },
                 from: a,
                 across: b,
                 radius: wheel.radius,
                 scrub: if matches!(mount, Mount::Fixed(_)) {
-                    0.0 // in its rows already
+                    0.0 // its rolling row contains the scrub radius
                 } else {
                     wheel.scrub.abs()
                 },
@@ -207,13 +210,14 @@ impl Arc {
         self.from * cos + self.across * sin
     }
 
-    /// The derivative of the direction by the angle: of unit length, at a right angle to it.
+    /// The derivative of the direction by the angle: a unit twist orthogonal to it.
     pub fn ahead(&self, angle: f64) -> Vector3<f64> {
         let (sin, cos) = angle.sin_cos();
         self.across * cos - self.from * sin
     }
 
-    /// The angle from here to the part of a direction in the plane of the arc, and what is out of the plane.
+    /// The angle from the direction at `angle` to the projection of a direction onto the plane of the arc [rad], and
+    /// the length of its part orthogonal to the plane.
     pub fn angle_to(&self, metric: &Matrix3<f64>, angle: f64, to: Vector3<f64>) -> (f64, f64) {
         let (sin, cos) = angle.sin_cos();
         let here = self.from * cos + self.across * sin;
@@ -229,10 +233,10 @@ impl Arc {
     pub fn turns(&self, rover: &Rover, start: f64, end: f64) -> impl Iterator<Item = f64> {
         let [first, last] = [start, end].map(f64::sin_cos);
         rover.steered().iter().map(move |&i| {
-            let spoke = &self.spokes[i];
-            let at = |(sin, cos): (f64, f64)| spoke.from * cos + spoke.across * sin;
+            let wheel = &self.wheels[i];
+            let at = |(sin, cos): (f64, f64)| wheel.from * cos + wheel.across * sin;
             let (a, b) = (at(first), at(last));
-            if spoke.cross == 0.0 { 0.0 } else { a.perp(&b).atan2(a.dot(&b)) }
+            if wheel.cross == 0.0 { 0.0 } else { a.perp(&b).atan2(a.dot(&b)) }
         })
     }
 
@@ -240,8 +244,8 @@ impl Arc {
     pub fn steering_rates(&self, rover: &Rover, angle: f64) -> impl Iterator<Item = f64> {
         let (sin, cos) = angle.sin_cos();
         rover.steered().iter().map(move |&i| {
-            let spoke = &self.spokes[i];
-            if spoke.cross == 0.0 { 0.0 } else { spoke.cross / (spoke.from * cos + spoke.across * sin).norm_squared() }
+            let wheel = &self.wheels[i];
+            if wheel.cross == 0.0 { 0.0 } else { wheel.cross / (wheel.from * cos + wheel.across * sin).norm_squared() }
         })
     }
 
@@ -250,19 +254,19 @@ impl Arc {
         let piece = Piece::new(start, end);
         let yaw = piece.bound(&self.yaw);
         let mut bounds = Bounds { linear: piece.bound(&self.linear), yaw, ..Bounds::default() };
-        for spoke in &self.spokes {
-            let [low, high, steep] = piece.of(&spoke.wave);
-            let rim = piece.bound_of(&spoke.wave, low, high);
-            let rim = rim.plus(yaw, spoke.scrub);
-            let turning = Bound { along: rim.along / spoke.radius, across: rim.across / spoke.radius };
-            if spoke.castor {
+        for wheel in &self.wheels {
+            let [low, high, steep] = piece.of(&wheel.squared);
+            let rim = piece.bound_of(&wheel.squared, low, high);
+            let rim = rim.plus(yaw, wheel.scrub);
+            let turning = Bound { along: rim.along / wheel.radius, across: rim.across / wheel.radius };
+            if wheel.castor {
                 bounds.castors = bounds.castors.max(turning.along);
             } else {
                 bounds.wheels = bounds.wheels.max(turning);
             }
-            if spoke.cross != 0.0 && start != end {
-                let least = (spoke.wave.mean + low).max(f64::MIN_POSITIVE);
-                let first = spoke.cross.abs() / least;
+            if wheel.cross != 0.0 && start != end {
+                let least = (wheel.squared.mean + low).max(f64::MIN_POSITIVE);
+                let first = wheel.cross.abs() / least;
                 let [one, two] = &mut bounds.steering;
                 *one = one.max(first);
                 *two = two.max(first * 2.0 * steep / least);

@@ -13,11 +13,11 @@
 //! # What holds
 //!
 //! While `0 <= s <= speed`, `-rates[0] <= s' <= rates[1]`, `|s''| <= change`, `|a'| <= turn[0]` and `|a''| <= turn[1]`,
-//! and `a` is on the piece from `start` to `end`, no limit of [`SpeedBounds::limits`] is exceeded: the worst `f` and `g` of the
-//! piece stand for all of it, half of every limit was given to the terms with `a'`, and `rates` and `change` are what
-//! those terms leave of it.
+//! and `a` is on the piece from `start` to `end`, no limit of [`SpeedBounds::limits`] is exceeded: `f` and `g` are
+//! bounded by their largest values on the piece, the terms with `a'` use at most half of every limit, and `rates` and
+//! `change` are the rest.
 //!
-//! These are constants. So a step inside needs no check, and from any state inside, braking the turn by `turn[1]` and
+//! These are constants, so a step inside needs no check; and from any state inside, braking the turn by `turn[1]` and
 //! the speed by `change` stays inside: the motion can always be stopped.
 
 use super::Motion;
@@ -25,19 +25,19 @@ use super::arc::{Arc, Bound, Bounds};
 use super::limits::Limits;
 use super::reason;
 
-/// Excess that is rounding.
+/// Factor by which a value may exceed a limit by rounding.
 const ROUNDING: f64 = 1.0 + 1e-12;
 
-/// A limit and its name.
+/// A limit and its reason.
 #[derive(Clone, Copy, Debug)]
-pub struct Cap {
+pub struct NamedLimit {
     /// The limit.
     pub value: f64,
     /// Its [`reason`].
     pub reason: u32,
 }
 
-impl Cap {
+impl NamedLimit {
     const NONE: Self = Self { value: f64::INFINITY, reason: 0 };
 
     /// The lower of two.
@@ -46,63 +46,63 @@ impl Cap {
     }
 }
 
-/// Bounds of the motion beside those of the arc.
+/// Bounds of the motion that do not depend on the arc.
 #[derive(Clone, Copy, Debug)]
 pub struct SpeedBounds {
-    /// The limits, those of the joints tightened for what steering asks of wheels with scrub.
+    /// The limits; those of the joints are tightened by the rolling of wheels with scrub under steering.
     pub limits: Limits,
-    /// Share of steering in the wheels' speed and acceleration, at most [rad/s, rad/s²].
+    /// Upper bounds of the wheels' speed and acceleration by steering alone [rad/s, rad/s²].
     pub steering_share: [f64; 2],
     /// Rate at which a joint turns by less than half a turn in the longest step [rad/s].
     pub fastest_turn: f64,
 }
 
-/// Constants of a piece of an arc; the head of this file says what holds while the motion is within them.
+/// Constants of a piece of an arc; the module's documentation states the invariant.
 #[derive(Clone, Copy, Debug)]
 pub struct Envelope {
-    /// Angle of the arc at which the turn comes to rest [rad].
+    /// Angle of the arc at which the turn ends at rest [rad].
     pub end: f64,
     /// True if there is a turn.
     pub turning: bool,
     /// Highest speed on this piece with the turn at rest [m/s]; at least `speed`.
-    pub fastest: Cap,
+    pub fastest: NamedLimit,
     /// Highest speed at which the other limits of this envelope hold [m/s].
     pub speed: f64,
     /// Highest rate of the turn [rad/s] and change of it [rad/s²], at speeds up to `speed`. Both 0 without a turn.
-    pub turn: [Cap; 2],
+    pub turn: [NamedLimit; 2],
     /// Highest change of the speed, slowing down and speeding up [m/s²].
-    pub rates: [Cap; 2],
+    pub rates: [NamedLimit; 2],
     /// Highest change of that [m/s³].
-    pub change: Cap,
-    /// Way of the body's origin [m] per metre along the motion.
+    pub change: NamedLimit,
+    /// Upper bound of the distance of the body's origin per distance along the motion [1].
     pub way: f64,
 }
 
-/// Zero times infinity is zero: what does not move, or does not count.
+/// Product in which zero times infinity is zero.
 fn times(a: f64, b: f64) -> f64 {
     if a == 0.0 || b == 0.0 { 0.0 } else { a * b }
 }
 
 /// The limit divided by a rate: infinite for a rate of 0.
-pub fn over(limit: f64, share: f64) -> f64 {
+pub fn quotient(limit: f64, share: f64) -> f64 {
     if share > 0.0 { limit / share } else { f64::INFINITY }
 }
 
 /// The highest speed in a direction.
-pub fn fastest(limits: &Limits, bounds: &Bounds) -> Cap {
+pub fn fastest(limits: &Limits, bounds: &Bounds) -> NamedLimit {
     let lateral = times(bounds.linear.along, bounds.yaw.along);
     let wheels = bounds.wheels.along.max(bounds.castors);
-    Cap::NONE
-        .or(over(limits.speed, bounds.linear.along), reason::SPEED)
-        .or(over(limits.yaw_rate, bounds.yaw.along), reason::YAW_RATE)
-        .or(over(limits.lateral_acceleration, lateral).sqrt(), reason::LATERAL_ACCELERATION)
-        .or(over(limits.wheel_speed, wheels), reason::WHEEL_SPEED)
+    NamedLimit::NONE
+        .or(quotient(limits.speed, bounds.linear.along), reason::SPEED)
+        .or(quotient(limits.yaw_rate, bounds.yaw.along), reason::YAW_RATE)
+        .or(quotient(limits.lateral_acceleration, lateral).sqrt(), reason::LATERAL_ACCELERATION)
+        .or(quotient(limits.wheel_speed, wheels), reason::WHEEL_SPEED)
 }
 
-/// A velocity whose change is limited.
+/// A velocity with limited acceleration and jerk.
 struct Row {
     bound: Bound,
-    /// Slowing down, speeding up.
+    /// Limits of its change, slowing down and speeding up.
     change: [f64; 2],
     jerk: f64,
     reasons: [u32; 2],
@@ -110,12 +110,13 @@ struct Row {
 }
 
 impl Envelope {
-    /// Of one direction that is kept.
+    /// The envelope of one direction that is kept.
     pub fn of_direction(speed_bounds: &SpeedBounds, arc: &Arc, angle: f64) -> Self {
         Self::new(speed_bounds, arc, [angle; 2], 0.0, 0.0)
     }
 
-    /// Of the turn from `start` to `end` at a rate of `useful` at most [rad/s], up to `speed` or what is possible of it.
+    /// The envelope of the turn from `start` to `end` [rad], for speeds up to `speed` [m/s] or the highest possible
+    /// one. The rate of the turn is `useful` [rad/s] at most.
     pub fn new(speed_bounds: &SpeedBounds, arc: &Arc, [start, end]: [f64; 2], speed: f64, useful: f64) -> Self {
         let mut limits = speed_bounds.limits;
         let turning = end != start;
@@ -132,9 +133,9 @@ impl Envelope {
             turning,
             fastest,
             speed,
-            turn: [Cap { value: 0.0, reason: 0 }; 2],
-            rates: [Cap::NONE; 2],
-            change: Cap::NONE,
+            turn: [NamedLimit { value: 0.0, reason: 0 }; 2],
+            rates: [NamedLimit::NONE; 2],
+            change: NamedLimit::NONE,
             way: bounds.linear.along,
         };
         if turning {
@@ -142,17 +143,17 @@ impl Envelope {
         } else {
             envelope.speed = fastest.value;
         }
-        let [rate, change] = envelope.turn.map(|cap| cap.value);
+        let [rate, change] = envelope.turn.map(|limit| limit.value);
         for row in &rows {
             let turned = times(speed * row.bound.across, rate);
-            for (k, cap) in envelope.rates.iter_mut().enumerate() {
+            for (k, limit) in envelope.rates.iter_mut().enumerate() {
                 if row.change[k] < f64::INFINITY {
                     let left = (row.change[k] - turned).max(0.0);
-                    *cap = cap.or(over(left, row.bound.along), row.reasons[k]);
+                    *limit = limit.or(quotient(left, row.bound.along), row.reasons[k]);
                 }
                 if row.jerk < f64::INFINITY {
-                    let share = over(row.jerk / 12.0, times(row.bound.across, rate));
-                    *cap = cap.or(share, row.jerk_reason);
+                    let share = quotient(row.jerk / 12.0, times(row.bound.across, rate));
+                    *limit = limit.or(share, row.jerk_reason);
                 }
             }
         }
@@ -162,24 +163,24 @@ impl Envelope {
             let turned = times(speed * across, change)
                 + times(speed * along, rate * rate)
                 + 2.0 * times(steepest, times(rate, across));
-            envelope.change = envelope.change.or(over(row.jerk - turned, along), row.jerk_reason);
+            envelope.change = envelope.change.or(quotient(row.jerk - turned, along), row.jerk_reason);
         }
         envelope
     }
 
-    /// Highest rate of the turn on the way from `angle` to its end [rad/s], which is not to come sooner than `dt`.
-    pub fn promise(&self, angle: f64, dt: f64) -> f64 {
-        let [rate, change] = self.turn.map(|cap| cap.value);
+    /// Peak rate of a turn from rest at `angle` to rest at the end [rad/s], if it takes at least `dt` [s].
+    pub fn guaranteed_rate(&self, angle: f64, dt: f64) -> f64 {
+        let [rate, change] = self.turn.map(|limit| limit.value);
         let left = (self.end - angle).abs();
         rate.min(times(change, left).sqrt()).min(left / dt)
     }
 
-    /// The same with a change of the speed that lets a motion from under `old` end its braking at rest, or its speeding up
-    /// below the highest speed there.
+    /// The envelope with a `change` large enough for a motion from inside `old` to stop braking at rest, or to stop
+    /// speeding up below the highest speed.
     #[must_use]
     pub fn for_motion(mut self, speed: Motion, old: &Self) -> Self {
         let way = if speed.value * speed.rate < 0.0 { speed.value.abs() } else { old.speed - speed.value.abs() };
-        let needed = over(speed.rate * speed.rate / 2.0, way.max(0.0)).min(old.change.value);
+        let needed = quotient(speed.rate * speed.rate / 2.0, way.max(0.0)).min(old.change.value);
         if speed.rate != 0.0 {
             self.change.value = self.change.value.max(needed);
         }
@@ -188,9 +189,9 @@ impl Envelope {
 
     /// True if a turn is inside: not faster than `turn[0]`, and braked by `turn[1]` at rest before `end`.
     pub fn holds_turn(&self, turn: Motion) -> bool {
-        let [rate, change] = self.turn.map(|cap| cap.value);
+        let [rate, change] = self.turn.map(|limit| limit.value);
         if turn.rate == 0.0 || change.is_infinite() {
-            return true; // or may jump
+            return true; // at rest, or with a rate that may jump
         }
         let sign = turn.rate.signum();
         let left = (self.end - turn.value) * sign;
@@ -198,7 +199,7 @@ impl Envelope {
         turn.rate.abs() <= rate * ROUNDING && braking.abs() <= left * ROUNDING
     }
 
-    /// True if a speed is inside: its change is, and easing that off by `change` leads neither above `speed` nor past
+    /// True if a speed is inside: its change is, and reducing that by `change` leads neither above `speed` nor past
     /// rest.
     pub fn holds_speed(&self, speed: Motion) -> bool {
         let sign = if speed.value < 0.0 { -1.0 } else { 1.0 };
@@ -237,39 +238,39 @@ fn rows(limits: &Limits, bounds: &Bounds) -> [Row; 3] {
     ]
 }
 
-/// Limits of the turn: what joints allow, and half of what everything else does.
+/// Limits of the turn's rate [rad/s] and of its change [rad/s²]: those of the joints, and half of every other limit.
 fn turn(
     speed_bounds: &SpeedBounds,
     limits: &Limits,
     bounds: &Bounds,
     rows: &[Row; 3],
     [speed, useful]: [f64; 2],
-) -> [Cap; 2] {
+) -> [NamedLimit; 2] {
     let [first, second] = bounds.steering;
     let joints = [limits.steering_rate, limits.steering_acceleration];
-    let mut rate = Cap::NONE
-        .or(over(joints[0], first), reason::STEERING_RATE)
-        .or(over(joints[1] / 2.0, second).sqrt(), reason::STEERING_ACCELERATION);
+    let mut rate = NamedLimit::NONE
+        .or(quotient(joints[0], first), reason::STEERING_RATE)
+        .or(quotient(joints[1] / 2.0, second).sqrt(), reason::STEERING_ACCELERATION);
     for row in rows {
         let across = times(speed, row.bound.across);
         let least = row.change[0].min(row.change[1]);
-        rate = rate.or(over(least / 2.0, across), row.reasons[1]);
+        rate = rate.or(quotient(least / 2.0, across), row.reasons[1]);
         let along = times(speed, row.bound.along);
-        rate = rate.or(over(row.jerk / 6.0, along).sqrt(), row.jerk_reason);
+        rate = rate.or(quotient(row.jerk / 6.0, along).sqrt(), row.jerk_reason);
     }
     if rate.value < f64::INFINITY {
-        // So that the wheels go the way round they would go in smaller steps.
-        rate = rate.or(over(speed_bounds.fastest_turn, first), rate.reason);
+        // Below this rate the sense of rotation of a wheel does not depend on the length of steps.
+        rate = rate.or(quotient(speed_bounds.fastest_turn, first), rate.reason);
         rate.value = rate.value.min(useful);
     }
     let left = joints[1] - times(second, rate.value * rate.value);
-    let mut change = Cap::NONE;
+    let mut change = NamedLimit::NONE;
     if joints[1] < f64::INFINITY {
-        change = change.or(over(left, first), reason::STEERING_ACCELERATION);
+        change = change.or(quotient(left, first), reason::STEERING_ACCELERATION);
     }
     for row in rows {
         let across = times(speed, row.bound.across);
-        change = change.or(over(row.jerk / 6.0, across), row.jerk_reason);
+        change = change.or(quotient(row.jerk / 6.0, across), row.jerk_reason);
     }
     [rate, change]
 }

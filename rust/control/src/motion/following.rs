@@ -1,12 +1,13 @@
-//! The record of joints that do not follow their commands.
+//! Following errors of the steering joints over time.
 
-/// The steering joints as they were measured.
+/// Measurements of the steering joints against their commands.
 #[derive(Clone, Debug)]
 pub struct Following {
-    /// Measured angle minus last command [rad], if the last step was given measured angles.
+    /// Measured angle less last command [rad]; valid if `measured`.
     pub errors: Vec<f64>,
+    /// True if the last step was given measured angles.
     pub measured: bool,
-    /// Time for which a joint has been farther from its command than it may be [s]; none if it is not.
+    /// Time for which the error of a joint has exceeded its bound [s]; None if it does not.
     pub beyond: Vec<Option<f64>>,
     /// Measured angle of a joint that is stuck [rad].
     pub holds: Vec<Option<f64>>,
@@ -26,7 +27,7 @@ impl Following {
         }
     }
 
-    /// Forgets everything.
+    /// Clears all measurements.
     pub fn clear(&mut self) {
         self.measured = false;
         self.beyond.fill(None);

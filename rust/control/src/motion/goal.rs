@@ -1,22 +1,22 @@
-//! Goals: the steady motions that commands become by mode, projection and limits of speed.
+//! Goals: the steady motions that follow from commands by mode, projection and limits of speed.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::arc::Arc;
-use super::envelope::{Cap, fastest};
+use super::envelope::{NamedLimit, fastest};
 use super::limits::Limits;
 use super::reason;
 use six_wheel_kinematics::admissible::Keep;
 use six_wheel_kinematics::geometry::{Pose, Twist};
 use six_wheel_kinematics::rover::Rover;
 
-/// Rounds after which a command of finite steps has settled under the limits.
+/// Most rounds in which the arc of one period is scaled to the limits.
 const ROUNDS: usize = 32;
 
-/// The motions that commands mean.
+/// Motions that a command is restricted to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
-    /// Every one the rover can make.
+    /// Every motion that the rover can make.
     #[default]
     Free,
     /// Without turning.
@@ -28,7 +28,7 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// The part of a twist that it leaves.
+    /// The part of a twist that the mode allows.
     fn of(self, twist: Twist) -> Twist {
         match self {
             Self::Free | Self::FrontOnly => twist,
@@ -43,15 +43,15 @@ named_values! { Mode as "mode": "free" => Free, "crab" => Crab, "front_only" => 
 /// A motion to reach: a speed along a direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
-    /// Their product.
+    /// Speed times direction.
     pub twist: Twist,
-    /// Of unit length; any at rest.
+    /// Unit direction; arbitrary at rest.
     pub direction: Vector3<f64>,
-    /// Not negative.
+    /// Speed along the direction, not negative [m/s].
     pub speed: f64,
-    /// Share of the speed asked for that the limits leave.
+    /// Share of the desired speed that the limits allow.
     pub share: f64,
-    /// Reasons why it is not the motion asked for.
+    /// Reasons why it is not the desired motion.
     pub reasons: u32,
 }
 
@@ -72,27 +72,27 @@ impl Goal {
         Self { twist: Twist::ZERO, direction: Vector3::x(), speed: 0.0, share: 1.0, reasons }
     }
 
-    /// The goal of a command, or none if it is too large to be meant. `period` is the time [s] over which the
-    /// motion asked for is to be made, in one arc.
+    /// The goal of a command; None if its squares overflow. With `period` [s], the goal is the arc that ends after that
+    /// time where the desired twist, its axes held fixed, would.
     pub fn new(
         rover: &Rover,
         limits: &Limits,
         scratch: &mut Arc,
         [mode, held]: [Mode; 2],
         period: Option<f64>,
-        wanted: Twist,
+        desired: Twist,
     ) -> Option<Self> {
-        let meant = held.of(mode.of(wanted));
-        let projected = match rover.project(meant, Keep::Curvature) {
+        let allowed = held.of(mode.of(desired));
+        let projected = match rover.project(allowed, Keep::Curvature) {
             Ok(twist) => twist,
             Err(error) if error.kind == six_wheel_numerics::error::ErrorKind::Value => return None,
             Err(_) => Twist::ZERO,
         };
-        let mut reasons = if projected == wanted { 0 } else { reason::PROJECTED };
-        if projected.vx != meant.vx || projected.omega != meant.omega {
+        let mut reasons = if projected == desired { 0 } else { reason::PROJECTED };
+        if projected.vx != allowed.vx || projected.omega != allowed.omega {
             reasons |= reason::STEERING_LIMIT;
         }
-        let mut highest = |direction: Vector3<f64>| -> Cap {
+        let mut highest = |direction: Vector3<f64>| -> NamedLimit {
             scratch.set(rover, direction, Vector3::zeros());
             fastest(limits, &scratch.bounds(0.0, 0.0))
         };
@@ -100,28 +100,28 @@ impl Goal {
         let Some((mut speed, mut direction)) = polar(&rover.metric, twist) else {
             return Some(Self::rest(reasons));
         };
-        let (whole, cap) = (speed, highest(direction));
-        if cap.value < speed {
-            twist = Twist::from(direction * cap.value);
-            speed = cap.value;
-            reasons |= cap.reason;
+        let (whole, limit) = (speed, highest(direction));
+        if limit.value < speed {
+            twist = Twist::from(direction * limit.value);
+            speed = limit.value;
+            reasons |= limit.reason;
         }
-        // The arc of one period, slowed down until it is inside the limits itself.
-        let asked = twist;
+        // The arc of one period, scaled until it is inside the limits.
+        let limited = twist;
         let mut share = 1.0;
         for _ in 0..ROUNDS {
             let Some(period) = period else { break };
-            let arc = arc_of(scaled(asked, share), period);
+            let arc = arc_of(scaled(limited, share), period);
             let (Some((length, along)), true) = (polar(&rover.metric, arc), rover.check(arc, None).is_ok()) else {
                 break;
             };
-            let cap = highest(along);
-            if length <= cap.value * (1.0 + 1e-12) {
+            let limit = highest(along);
+            if length <= limit.value * (1.0 + 1e-12) {
                 (twist, speed, direction) = (arc, length, along);
                 break;
             }
-            reasons |= cap.reason;
-            share *= cap.value / length;
+            reasons |= limit.reason;
+            share *= limit.value / length;
         }
         Some(Self { twist, direction, speed, share: (speed / whole).min(1.0), reasons })
     }
@@ -131,7 +131,7 @@ fn scaled(twist: Twist, share: f64) -> Twist {
     Twist::from(Vector3::from(twist) * share)
 }
 
-/// The twist that leads in one arc where this one would lead if its axes did not turn along.
+/// The constant twist whose arc of one period ends where this twist, in axes that do not turn, would.
 fn arc_of(twist: Twist, period: f64) -> Twist {
     let end = Pose { x: twist.vx * period, y: twist.vy * period, yaw: twist.omega * period };
     end.log(period)

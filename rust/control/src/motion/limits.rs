@@ -6,13 +6,13 @@ use six_wheel_numerics::error::{Error, HUGE, TINY, number};
 /// Number of limits.
 pub const COUNT: usize = 15;
 
-/// Acceleration where none is given [m/s²]: wheels with a friction of 1 on level ground allow no more.
+/// Default of the acceleration [m/s²]: that of wheels with a friction coefficient of 1 on level ground.
 const USUAL_ACCELERATION: f64 = 9.81;
 
-/// Rate of a steering angle where none is given [rad/s]: 1.2 rad, less than a quarter turn, in a step of 0.1 s.
+/// Default of the steering rate [rad/s]: 1.2 rad, less than a quarter turn, in a step of 0.1 s.
 const USUAL_STEERING_RATE: f64 = 12.0;
 
-/// Declares the limits, their names, and the way from and to a row of values.
+/// Declares the limits, their names, and conversions from and to an array of values.
 macro_rules! limits {
     ($($(#[$doc:meta])* $name:ident;)*) => {
         /// Limits of a motion; infinite where there is none.

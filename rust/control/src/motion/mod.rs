@@ -10,10 +10,10 @@ pub mod goal;
 pub mod limits;
 pub mod reason;
 
-/// Share of a motion's way or time that is rounding.
+/// Share of a motion's distance or time that counts as rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// A value that changes at a rate.
+/// A value and its rate of change: of an angle [rad, rad/s] or a speed [m/s, m/s²].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// The value.
@@ -22,22 +22,22 @@ pub struct Motion {
     pub rate: f64,
 }
 
-/// The limit that keeps a motion from its goal.
+/// The limit that is active in a step towards a goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Held {
-    /// Nothing: it is there.
-    No,
+pub enum LimitedBy {
+    /// None: the goal is reached.
+    Nothing,
     /// The limit of its rate.
     Rate,
     /// The limit of the change of its rate.
     Change,
 }
 
-impl Held {
-    /// The reason of the limit, of those of the rate and of its change; 0 for none.
+impl LimitedBy {
+    /// The reason that belongs to the active limit, `rate` or `change`; 0 for none.
     pub fn reason(self, rate: u32, change: u32) -> u32 {
         match self {
-            Self::No => 0,
+            Self::Nothing => 0,
             Self::Rate => rate,
             Self::Change => change,
         }
@@ -59,28 +59,28 @@ impl Motion {
         }
     }
 
-    /// The motion after `dt` seconds on the quickest way to rest at the goal: the rate grows to a limit, stays, and falls
-    /// to zero just there. The limits hold all along, so for a log of any steps.
+    /// The motion after `dt` seconds of the time-optimal motion to rest at the goal: the rate grows to a limit, stays,
+    /// and falls to 0 at the goal. The limits hold at every instant, so they hold for steps of any length.
     ///
-    /// `rates` are the limits downwards and upwards. A rate beyond its limit falls first.
-    pub fn approach(self, goal: f64, rates: [f64; 2], change: f64, dt: f64) -> (Self, Held) {
-        let there = (Self::at(goal), Held::No);
+    /// `rates` are the limits of falling and growing values. A rate beyond its limit falls first.
+    pub fn step_towards(self, goal: f64, rates: [f64; 2], change: f64, dt: f64) -> (Self, LimitedBy) {
+        let there = (Self::at(goal), LimitedBy::Nothing);
         let (sign, way) = match self.plan(goal, rates, change) {
             PhaseList::Arrived => return there,
             PhaseList::Constant { gap, limit, .. } if limit * dt >= gap || limit.is_infinite() => return there,
-            PhaseList::Constant { sign, limit, .. } => (sign, (limit * dt, limit, Held::Rate)),
+            PhaseList::Constant { sign, limit, .. } => (sign, (limit * dt, limit, LimitedBy::Rate)),
             PhaseList::Phases { end, .. } if dt >= end * (1.0 - ROUNDING) => return there,
             PhaseList::Phases { sign, rate, peak, first, first_way, cruise, end, limit } => {
                 if dt < first {
                     let slope = if rate > peak { -change } else { change };
-                    (sign, (dt * (rate + slope * dt / 2.0), slope.mul_add(dt, rate), Held::Change))
+                    (sign, (dt * (rate + slope * dt / 2.0), slope.mul_add(dt, rate), LimitedBy::Change))
                 } else if dt < first + cruise {
-                    let held = if peak < limit { Held::Change } else { Held::Rate };
+                    let held = if peak < limit { LimitedBy::Change } else { LimitedBy::Rate };
                     (sign, (peak.mul_add(dt - first, first_way), peak, held))
                 } else {
                     let left = end - dt;
                     let value = goal - sign * change * left * left / 2.0;
-                    return (Self { value, rate: sign * change * left }, Held::Change);
+                    return (Self { value, rate: sign * change * left }, LimitedBy::Change);
                 }
             }
         };
@@ -88,7 +88,7 @@ impl Motion {
         (Self { value: sign.mul_add(way, self.value), rate: sign * rate }, held)
     }
 
-    /// Time of the way of [`Self::approach`] [s].
+    /// Duration of the motion of [`Self::step_towards`] [s].
     pub fn time_to(self, goal: f64, rates: [f64; 2], change: f64) -> f64 {
         match self.plan(goal, rates, change) {
             PhaseList::Arrived => 0.0,
@@ -97,10 +97,10 @@ impl Motion {
         }
     }
 
-    /// The quickest way to rest at the goal.
+    /// The time-optimal motion to rest at the goal.
     fn plan(self, goal: f64, rates: [f64; 2], change: f64) -> PhaseList {
         let stop = self.stop(change);
-        // Braking already, and just in time.
+        // Braking now ends at the goal.
         let brakes = (goal - stop).abs() <= ROUNDING * ((stop - self.value).abs() + goal.abs());
         let way = if brakes && self.rate != 0.0 { self.rate } else { goal - stop };
         if way == 0.0 {
@@ -109,12 +109,12 @@ impl Motion {
         let sign = way.signum();
         let limit = rates[usize::from(way > 0.0)];
         let (gap, rate) = ((goal - self.value) * sign, self.rate * sign);
-        // Squares of speeds, beyond which there is no number: no limit that any motion meets.
+        // Half the square of the fastest rate; where it overflows, the limit of the change is never active.
         let fastest = change * gap + rate * rate / 2.0;
         if change.is_infinite() || !fastest.is_finite() {
             return PhaseList::Constant { sign, gap, limit };
         }
-        // Braking distances of the three speeds, and the fastest one from which it can still stop in time.
+        // Braking distances of rates, and the fastest rate from which the motion still stops at the goal.
         let braking = |rate: f64| rate * rate / (2.0 * change);
         let peak = if brakes && rate > 0.0 { rate } else { limit.min(fastest.max(0.0).sqrt()) };
         let first = (peak - rate).abs() / change;
@@ -125,11 +125,11 @@ impl Motion {
     }
 }
 
-/// A way to rest at a goal; ways and rates count in the direction `sign`.
+/// A motion to rest at a goal; distances and rates are positive in the direction `sign`.
 enum PhaseList {
     /// The goal is reached.
     Arrived,
-    /// At one rate over the gap: the change of the rate is not limited.
+    /// The distance `gap` at one rate: the change of the rate is not limited.
     Constant { sign: f64, gap: f64, limit: f64 },
     /// From `rate` to `peak` in the time `first` over `first_way`, at `peak` for `cruise`, then to rest at the time `end`.
     Phases { sign: f64, rate: f64, limit: f64, peak: f64, first: f64, first_way: f64, cruise: f64, end: f64 },

@@ -1,10 +1,10 @@
 //! The straight line between two twists, and the motion of the wheels along it.
 //!
-//! A twist is a point in homogeneous coordinates of the centre of rotation, `ICR = (-vy, vx) / omega`, times a
-//! speed. Between two twists the centre moves along a straight line, on which infinity (driving straight) and the
-//! body's origin (turning on the spot) are points like any other. So does the velocity `u` of every pivot, in a
-//! plane: with `w = u' / u` as complex numbers, the wheel's angle and the logarithm of its speed change by the
-//! imaginary and real part of `w`, and `w' = -w^2`.
+//! A twist is a point in homogeneous coordinates of the centre of rotation, `ICR = (-vy, vx) / omega`, times a speed.
+//! Between two twists the centre moves along a straight line, which may contain infinity (driving straight) and the
+//! body's origin (turning on the spot). The velocity `u` of every pivot also moves along a straight line: with `w = u'
+//! / u` as complex numbers, the derivatives by the share of the chord of the wheel's angle and of the logarithm of its
+//! speed are the imaginary and real part of `w`, and `w' = -w^2`.
 
 use std::borrow::Cow;
 
@@ -19,7 +19,7 @@ use six_wheel_numerics::error::radians;
 /// Speed of a pivot, as a share of its change along the chord, at which its wheel cannot follow the direction.
 const TOO_CLOSE: f64 = 1e-6;
 
-/// Share of an angle's sine that is rounding.
+/// Sine of an angle below which vectors count as parallel.
 const PARALLEL: f64 = 8.0 * f64::EPSILON;
 
 /// A steered wheel along a chord.
@@ -45,16 +45,16 @@ impl Joint {
         if self.turns { (self.velocity(s) * self.origin.conj()).arg() } else { 0.0 }
     }
 
-    /// Place at which the wheel has turned by this angle [share of the chord]: the inverse of [`Self::swept`].
-    pub fn reaches(&self, swept: f64) -> f64 {
-        // The velocity is parallel to the one at the start turned by that angle.
+    /// Share of the chord at which the wheel has turned by this angle [rad]: the inverse of [`Self::swept`].
+    pub fn place_of(&self, swept: f64) -> f64 {
+        // There the velocity is parallel to that at the start rotated by the angle.
         let product = self.change * self.origin.conj();
         let (sin, cos) = swept.sin_cos();
         self.origin.norm_sqr() * sin / (product.im * cos - product.re * sin)
     }
 
-    /// First three derivatives of the angle along the chord.
-    pub fn swing(&self, s: f64) -> [f64; 3] {
+    /// First three derivatives of the steering angle by the share of the chord [rad].
+    pub fn angle_derivatives(&self, s: f64) -> [f64; 3] {
         if !self.turns {
             return [0.0; 3];
         }
@@ -63,7 +63,8 @@ impl Joint {
         [w.im, -square.im, 2.0 * (square * w).im]
     }
 
-    /// Speed of the pivot along the wheel's direction at the start, and its first two derivatives.
+    /// Speed of the pivot [m/s], positive along the wheel's direction at the start, and its first two derivatives by
+    /// the share of the chord.
     pub fn speed(&self, s: f64) -> [f64; 3] {
         let velocity = self.velocity(s);
         let speed = velocity.norm();
@@ -75,12 +76,12 @@ impl Joint {
         [speed, slope, bend]
     }
 
-    /// Place of the least pivot speed [share of the chord].
+    /// Share of the chord at which the pivot speed is least.
     pub fn slowest(&self) -> f64 {
         -(self.origin.conj() * self.change).re / self.change.norm_sqr()
     }
 
-    /// Place at which the pivot has this speed, before or after its slowest place [share of the chord].
+    /// Share of the chord at which the pivot has this speed [m/s], before or after its least speed.
     pub fn at_speed(&self, speed: f64, after: bool) -> f64 {
         let nearest = (self.origin.conj() * self.change).im / self.change.norm();
         let root = (speed * speed - nearest * nearest).max(0.0).sqrt() / self.change.norm();
@@ -96,9 +97,9 @@ pub(crate) struct Chord {
     pub joints: Vec<Joint>,
 }
 
-/// A chord that can be driven, or the reason why it cannot.
+/// A chord that all wheels can follow, or the reason why they cannot.
 pub(crate) enum ChordFeasibility {
-    /// Angles at the start, which those at hand may have to be brought to first.
+    /// The chord; wheels whose present angles differ from those at its start have to be aligned first.
     Open(Chord),
     /// The reason, in words.
     Closed(Cow<'static, str>),
@@ -129,7 +130,7 @@ impl Chord {
             let (origin, target) = (velocity(start), velocity(end));
             let change = target - origin;
             let across = (change * origin.conj()).im;
-            // From or to rest, or right through it, the direction stays, though the wheel may roll back.
+            // On a line through 0 the direction is constant; the wheel may roll backwards.
             let turns = across.abs() > PARALLEL * origin.norm() * change.norm();
             let joint = Joint {
                 angle: if origin == Complex::default() { aligned[j] } else { angles[j] },
@@ -163,12 +164,12 @@ impl Chord {
         (self.start * (1.0 - s) + self.end * s).into()
     }
 
-    /// A measure of the way that grows with the chord and with the turning of every wheel.
+    /// A monotonic function of the share: the share itself plus the turns of all wheels.
     pub fn measure(&self, s: f64) -> f64 {
         s + self.joints.iter().map(|joint| joint.swept(s).abs()).sum::<f64>()
     }
 
-    /// Shares of the chord between which that measure grows alike.
+    /// Shares of the chord between which the measure grows by equal amounts.
     pub fn nodes(&self, cells: usize) -> Vec<f64> {
         let whole = self.measure(1.0);
         let mut nodes = Vec::with_capacity(cells + 1);
@@ -188,7 +189,7 @@ impl Chord {
     }
 }
 
-/// Steering angles and wheel speeds of a twist, the angles next to the present ones; it need not be possible.
+/// Steering angles and wheel speeds of a twist that need not be possible, with the angles nearest to the previous ones.
 pub(crate) fn solved(rover: &Rover, twist: Twist, previous: Option<&[f64]>) -> [Vec<f64>; 2] {
     let (mut angles, mut speeds) = (vec![0.0; rover.steered().len()], vec![0.0; rover.wheels().len()]);
     rover.solve(twist, Inputs { previous, ..Inputs::default() }, &mut angles, &mut speeds);

@@ -1,11 +1,11 @@
 //! Transitions along which all wheels keep one centre of rotation at every instant.
 //!
-//! The way is a chord between the twists, or two where the wheels cannot follow one; where they can follow neither,
-//! the rover stops, turns its wheels at rest and drives on, and the plan says why.
+//! The path is a chord between the twists, or two chords where the wheels cannot follow one; where they cannot follow
+//! two, the rover stops, turns its wheels at rest and drives on, and the phases carry the reason.
 
 use super::Derivatives;
 use super::chord::Chord;
-use super::laws::IcrLimits;
+use super::constraints::IcrLimits;
 use super::phase::{Action, Motion, Phase};
 use super::plan::{PhaseList, TransitionPlanner};
 use super::sampling::{Wheels, check_trail};
@@ -13,7 +13,7 @@ use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::{Inputs, Rover};
 use six_wheel_numerics::error::{Error, finite, numbers};
 
-/// Velocities whose squares are still numbers.
+/// Velocities whose squares neither overflow nor underflow.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 
 /// From one twist to another with one centre of rotation at every instant.
@@ -59,7 +59,7 @@ impl IcrTransition {
         &self.phases
     }
 
-    /// Number of phases that bring the rover to rest on the way.
+    /// Number of phases that bring the rover to rest.
     pub fn stops(&self) -> usize {
         let is_stop = |phase: &&Phase| phase.action == Action::Stop;
         self.phases.iter().filter(is_stop).count()
@@ -78,12 +78,12 @@ impl IcrTransition {
         let Some(phase) = self.phases.get(index) else {
             return Twist::ZERO;
         };
-        // The end exactly, however the sum of the phases was rounded.
+        // The exact end state, independent of the rounding of the phases' sum.
         let over = time >= self.duration;
         let local = if over { phase.duration } else { time - phase.start };
         let twist = match &phase.motion {
             Motion::Along(chord, timing) => {
-                // A chord that takes no time is over when it begins, but not before.
+                // A chord of duration 0 is at its end from its start on.
                 let place = if before { [0.0; 4] } else { timing.at(local) };
                 along(chord, place, wheels)
             }
@@ -96,17 +96,17 @@ impl IcrTransition {
             wheels.rates.fill(0.0);
             wheels.accelerations.fill(0.0);
         }
-        wheels.spin(&self.rover, twist);
+        wheels.roll_at_angles(&self.rover, twist);
         twist
     }
 }
 
-/// Steering at a place of a chord, given with its derivatives.
+/// Writes the steering at a share of a chord, given with its derivatives by time.
 fn along(chord: &Chord, [s, pace, second, _]: Derivatives, wheels: &mut Wheels<'_>) -> Twist {
     for (j, joint) in chord.joints.iter().enumerate() {
-        let [slope, bend, _] = joint.swing(s);
+        let [slope, bend, _] = joint.angle_derivatives(s);
         wheels.steering[j] = joint.angle + joint.swept(s);
-        // A joint that does not turn has no rate, however fast the chord goes.
+        // A joint that does not turn has rate 0, also where the pace is infinite.
         let turns = slope != 0.0;
         wheels.rates[j] = if turns { slope * pace } else { 0.0 };
         wheels.accelerations[j] = if turns { bend * pace * pace + slope * second } else { 0.0 };

@@ -1,19 +1,19 @@
-//! States and limits of one axis, and the way in which several go together.
+//! States and limits of one axis, and the synchronisation of several.
 
 use six_wheel_numerics::error::{Error, number, numbers};
 
 /// Value of an axis and its first two derivatives with respect to time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moving {
-    /// Its value.
+pub struct AxisState {
+    /// Value.
     pub value: f64,
     /// First derivative.
     pub velocity: f64,
-    /// Second derivative; without a limit of jerk it takes any value at once.
+    /// Second derivative; it may jump where the jerk is not limited.
     pub acceleration: f64,
 }
 
-impl Moving {
+impl AxisState {
     /// Axes at rest.
     pub fn resting(values: &[f64]) -> Vec<Self> {
         let at_rest = |&value: &f64| Self { value, ..Self::default() };
@@ -42,7 +42,7 @@ impl Bounds {
         Self { velocity, min_velocity: -velocity, acceleration, min_acceleration: -acceleration, jerk }
     }
 
-    pub(super) fn check(&self, end: &Moving) -> Result<(), Error> {
+    pub(super) fn check(&self, end: &AxisState) -> Result<(), Error> {
         let limits = [
             ("velocity", self.velocity, 1.0),
             ("min_velocity", self.min_velocity, -1.0),
@@ -74,7 +74,7 @@ impl Bounds {
         }
         let (weakest, strongest) = (self.min_acceleration, self.acceleration);
         within("end_acceleration", end.acceleration, weakest, strongest)?;
-        // The velocity before the end is at best that from which the jerk builds up the acceleration.
+        // The end's acceleration is built up at the jerk limit from at best this velocity.
         let before = end.velocity - end.acceleration * end.acceleration.abs() / (2.0 * self.jerk);
         if before >= slowest && before <= fastest {
             return Ok(());

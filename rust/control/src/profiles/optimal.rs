@@ -1,19 +1,19 @@
 //! Profiles in the least time under limits of velocity, acceleration and jerk, from any motion to any other.
 //!
-//! The mathematics is that of Ruckig (L. Berscheid, T. Kröger, Jerk-limited Real-time Trajectory Generation with
-//! Arbitrary Target States, RSS 2021) in the crate `rsruckig`; here it gets arguments that make sense.
+//! The algorithm is Ruckig (L. Berscheid, T. Kröger, Jerk-limited Real-time Trajectory Generation with
+//! Arbitrary Target States, RSS 2021) in the crate `rsruckig`; here its arguments are checked.
 
 use super::Profile;
-use super::limits::{Bounds, Moving, Synchronise};
+use super::limits::{AxisState, Bounds, Synchronise};
 use super::ruckig::solve;
 use six_wheel_numerics::error::{Error, finite, number, positive};
 
-/// The fastest course of every axis from `start` to `end` within `bounds`, or one that takes `duration` [s].
+/// The time-optimal profile of every axis from `start` to `end` within `bounds`, or one that takes `duration` [s].
 ///
 /// A start beyond the limits is first brought within them as fast as they allow.
 pub fn time_optimal(
-    start: &[Moving],
-    end: &[Moving],
+    start: &[AxisState],
+    end: &[AxisState],
     bounds: &[Bounds],
     synchronise: Synchronise,
     duration: Option<f64>,
@@ -41,13 +41,13 @@ pub fn time_optimal(
         let rule = format!("be at least {} s", number(least.duration()));
         return Err(Error::value("duration", rule, number(duration)));
     }
-    // Alone, an axis has no one to wait for: given a duration, all of them take it.
+    // A given duration applies to every axis: that is synchronisation in time.
     let synchronise = if synchronise == Synchronise::Phase { Synchronise::Phase } else { Synchronise::Time };
     let found = solve(start, end, bounds, synchronise, Some(duration))?;
     if close(found.duration()) {
         return Ok(found);
     }
-    // Between moving ends there may be gaps: too slow to go straight there, too fast to come back.
+    // Between moving ends the possible durations may have gaps.
     let rule = format!(
         "be {} s or at least {} s: no course takes a time between",
         number(least.duration()),
@@ -56,7 +56,7 @@ pub fn time_optimal(
     Err(Error::value("duration", rule, number(duration)))
 }
 
-fn check_finite(names: [&'static str; 3], states: &[Moving]) -> Result<(), Error> {
+fn check_finite(names: [&'static str; 3], states: &[AxisState]) -> Result<(), Error> {
     for state in states {
         let values = [state.value, state.velocity, state.acceleration];
         for (name, value) in names.into_iter().zip(values) {

@@ -1,11 +1,11 @@
-//! The plan of a transition along one centre of rotation: chords, what aligns the wheels before them, and stops.
+//! The plan of a transition with one centre of rotation: chords, alignments of wheels before them, and stops.
 
 use nalgebra::Vector3;
 
 use super::Profile;
 use super::chord::{Chord, ChordFeasibility, is_driven, solved};
-use super::laws::{IcrLimits, laws};
-use super::limits::{Bounds, Moving, Synchronise};
+use super::constraints::{IcrLimits, constraints};
+use super::limits::{AxisState, Bounds, Synchronise};
 use super::optimal::time_optimal;
 use super::phase::{Action, Motion, Phase};
 use super::timing::{Smoothness, TimeParametrization};
@@ -22,7 +22,7 @@ const DETOURS: [f64; 6] = [0.3, -0.3, 0.7, -0.7, 1.4, -1.4];
 /// A detour is tried where the chord takes longer than this factor times the time that its wheels need at rest.
 const LONG: f64 = 1.5;
 
-/// Phases in the making.
+/// Phases planned so far, the steering angles at their end [rad], and their duration [s].
 #[derive(Clone, Default)]
 pub(super) struct PhaseList {
     pub phases: Vec<Phase>,
@@ -66,7 +66,7 @@ impl TransitionPlanner<'_> {
         driven.fold(0.0, |most: f64, i| most.max(speeds[i].abs()))
     }
 
-    /// The way from one twist to another: one chord, two, or a stop.
+    /// Appends a transition from one twist to another: one chord, two, or a stop.
     pub fn plan(&self, plan: PhaseList, start: Twist, end: Twist) -> Result<PhaseList, Error> {
         let direct = self.drive(plan.clone(), start, end, "on one chord");
         let least = self.least_turning(&plan.angles, end) / self.limits.steering_rate;
@@ -86,7 +86,7 @@ impl TransitionPlanner<'_> {
         }
         let closed = |failure| match failure {
             TransitionError::Refused(error) => error,
-            // To and from rest no wheel turns: not met.
+            // Unreachable: on chords to and from rest no wheel turns.
             TransitionError::Closed(why) => infeasible(end, &why),
         };
         let mut stopped = self.drive(plan, start, Twist::ZERO, &format!("{why} on the way")).map_err(closed)?;
@@ -96,14 +96,14 @@ impl TransitionPlanner<'_> {
         self.drive(stopped, Twist::ZERO, end, "from rest").map_err(closed)
     }
 
-    /// Largest angle by which a wheel has to turn in any case [rad].
+    /// Largest angle between a present steering angle and that of the end [rad]: a lower bound of the largest turn.
     fn least_turning(&self, angles: &[f64], end: Twist) -> f64 {
         let [aligned, _] = solved(self.rover, end, Some(angles));
         let turns = angles.iter().zip(&aligned).map(|(a, b)| (a - b).abs());
         turns.fold(0.0, f64::max)
     }
 
-    /// Two chords where one will not do, for a rover whose centre of rotation may be anywhere.
+    /// Two chords in place of one, for a rover whose centre of rotation may be anywhere; None if no detour is better.
     fn detour(&self, plan: &PhaseList, start: Twist, end: Twist) -> Option<PhaseList> {
         if !self.rover.banks().is_empty() {
             return None;
@@ -115,7 +115,7 @@ impl TransitionPlanner<'_> {
         let normal = if across.norm() > 1e-9 * largest * largest {
             across
         } else {
-            // Opposite or equal directions: any way across both will do.
+            // Opposite or equal directions: any orthogonal direction.
             let axis = if a.z.abs() < a.xy().norm() { Vector3::z() } else { Vector3::x() };
             (if a.norm() > 0.0 { a } else { b }).cross(&axis)
         };
@@ -130,7 +130,7 @@ impl TransitionPlanner<'_> {
             let half = planner.drive(plan.clone(), start, corner, why).ok()?;
             planner.drive(half, corner, end, why).ok()
         };
-        // The best corner is found without the limits that take long to plan for.
+        // Corners are compared without the limits of acceleration and jerk, whose parametrization is slow.
         let firm = IcrLimits { steering_acceleration: f64::INFINITY, steering_jerk: f64::INFINITY, ..*self.limits };
         let quick = TransitionPlanner { rover: self.rover, limits: &firm };
         let tried = |corner: Twist, why: String| {
@@ -140,7 +140,8 @@ impl TransitionPlanner<'_> {
         let beside = DETOURS
             .iter()
             .filter_map(|&share| tried(corner(share), "around what stands in the way of one chord".into()));
-        // Right over a pivot its wheel comes to rest, and rolls away again however it is turned there.
+        // A corner with the centre of rotation on a pivot: its wheel is at rest there, and is turned to its new
+        // direction.
         let over = self.rover.steered().iter().filter_map(|&i| {
             let wheel = &self.rover.wheels()[i];
             let [from, to] = [start, end].map(|twist| twist.at(wheel.x, wheel.y));
@@ -156,7 +157,7 @@ impl TransitionPlanner<'_> {
         around(self, corner, &why)
     }
 
-    /// Appends one chord, and before it what aligns the wheels whose pivots rest at its start.
+    /// Appends one chord, and before it the alignment of the wheels whose pivots rest at its start.
     fn drive(&self, mut plan: PhaseList, start: Twist, end: Twist, why: &str) -> Result<PhaseList, TransitionError> {
         if start == end {
             return self.hold(plan, start, end);
@@ -178,14 +179,14 @@ impl TransitionPlanner<'_> {
             plan.push(Action::Align, reason, profile.duration(), motion);
         }
         let smooth = self.smoothness();
-        let timing = TimeParametrization::new(&chord, &laws(self.rover, &chord, self.limits), &smooth)
+        let timing = TimeParametrization::new(&chord, &constraints(self.rover, &chord, self.limits), &smooth)
             .ok_or_else(|| TransitionError::Refused(infeasible(end, "a limit leaves no room to move")))?;
         plan.angles = chord.joints.iter().map(|joint| joint.angle + joint.swept(1.0)).collect();
         plan.push(Action::Drive, why, timing.duration(), Motion::Along(chord, timing));
         Ok(plan)
     }
 
-    /// Nothing to do.
+    /// Appends a phase without a change of the twist.
     fn hold(&self, mut plan: PhaseList, start: Twist, end: Twist) -> Result<PhaseList, TransitionError> {
         if let ChordFeasibility::Open(chord) = Chord::between(self.rover, start, end, &plan.angles) {
             let timing = TimeParametrization::Binding { bounds: Vec::new(), duration: 0.0 };
@@ -202,13 +203,13 @@ impl TransitionPlanner<'_> {
         Smoothness { accelerations: self.rover.steered().iter().map(limit).collect(), jerk: self.limits.steering_jerk }
     }
 
-    /// All joints in proportion, as fast as the slowest allows.
+    /// Profile of all joints in proportion, from rest to rest, as fast as their limits allow.
     fn align(&self, from: &[f64], to: &[f64]) -> Result<Profile, Error> {
         let smooth = self.smoothness();
         let mut share = Bounds::symmetric(f64::INFINITY, f64::INFINITY, f64::INFINITY);
         for (j, &i) in self.rover.steered().iter().enumerate() {
             let wheel = &self.rover.wheels()[i];
-            // A contact beside its pivot rolls around it.
+            // A wheel with a scrub radius rolls by its steering rate.
             let rolling = self.limits.wheel_speed * wheel.radius / wheel.scrub.abs();
             let turn = (to[j] - from[j]).abs();
             let rate = self.limits.steering_rate.min(rolling);
@@ -216,10 +217,10 @@ impl TransitionPlanner<'_> {
             share.acceleration = share.acceleration.min(smooth.accelerations[j] / turn);
             share.jerk = share.jerk.min(smooth.jerk / turn);
         }
-        // Above this acceleration the jerk alone decides.
+        // A larger acceleration is not reached within the limits of velocity and jerk.
         share.acceleration = share.acceleration.min((share.velocity * share.jerk).sqrt());
         let share = Bounds::symmetric(share.velocity, share.acceleration, share.jerk);
-        let whole = [Moving::resting(&[0.0]), Moving::resting(&[1.0])];
+        let whole = [AxisState::resting(&[0.0]), AxisState::resting(&[1.0])];
         let profile = time_optimal(&whole[0], &whole[1], &[share], Synchronise::None, None)?;
         Ok(profile.spread(from, to))
     }

@@ -3,29 +3,29 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use rsruckig::prelude::{DataArrayOrVec, InputParameter, Ruckig, Synchronization, ThrowErrorHandler, Trajectory};
-use rsruckig::profile::Profile as Found;
+use rsruckig::profile::Profile as RuckigResult;
 
-use super::limits::{Bounds, Moving, Synchronise};
+use super::limits::{AxisState, Bounds, Synchronise};
 use super::{Axis, Piece, Profile, constant_jerk_state};
 use six_wheel_numerics::error::{Error, numbers};
 
-/// Share by which a found profile may pass a limit or miss its end: rounding, and what Ruckig tolerates.
+/// Relative excess over a limit, or error of the end, that a profile may have: Ruckig's tolerance and rounding.
 const TOLERANCE: f64 = 1e-7;
 
-/// Finds the profile; axes that do not wait for each other one by one.
+/// The profile; unsynchronised axes are solved one by one.
 pub(super) fn solve(
-    start: &[Moving],
-    end: &[Moving],
+    start: &[AxisState],
+    end: &[AxisState],
     bounds: &[Bounds],
     synchronise: Synchronise,
     duration: Option<f64>,
 ) -> Result<Profile, Error> {
     let axes = if synchronise == Synchronise::None {
         (0..start.len())
-            .map(|i| ask(&start[i..=i], &end[i..=i], &bounds[i..=i], synchronise, duration)?.pop())
+            .map(|i| call_ruckig(&start[i..=i], &end[i..=i], &bounds[i..=i], synchronise, duration)?.pop())
             .collect::<Option<Vec<_>>>()
     } else {
-        ask(start, end, bounds, synchronise, duration).map(together)
+        call_ruckig(start, end, bounds, synchronise, duration).map(join_arrivals)
     };
     axes.map(Profile::new).ok_or_else(|| {
         let rule = "be a few orders of magnitude from the start at most, as measured by the limits";
@@ -34,8 +34,8 @@ pub(super) fn solve(
     })
 }
 
-/// Has axes that arrive together but for rounding arrive at one and the same instant.
-fn together(mut axes: Vec<Axis>) -> Vec<Axis> {
+/// Sets the durations of axes that are equal up to rounding to the longest one.
+fn join_arrivals(mut axes: Vec<Axis>) -> Vec<Axis> {
     let last = axes.iter().fold(0.0, |last, axis| axis.duration.max(last));
     for axis in &mut axes {
         axis.duration = last;
@@ -43,11 +43,11 @@ fn together(mut axes: Vec<Axis>) -> Vec<Axis> {
     axes
 }
 
-/// Asks the library in the caller's units; where its fixed tolerances or largest duration stand in the way,
-/// in units made for the question.
-fn ask(
-    start: &[Moving],
-    end: &[Moving],
+/// Calls the library in the caller's units; if it fails by its fixed tolerances or its largest duration, in scaled
+/// units.
+fn call_ruckig(
+    start: &[AxisState],
+    end: &[AxisState],
     bounds: &[Bounds],
     synchronise: Synchronise,
     duration: Option<f64>,
@@ -55,21 +55,21 @@ fn ask(
     let natural = Units::of(start, end, bounds, duration);
     let short = natural.shortened(start, end);
     let plain = Units { time: 1.0, lengths: vec![1.0; start.len()] };
-    [plain, short, natural].iter().find_map(|units| ask_in(units, start, end, bounds, synchronise, duration))
+    [plain, short, natural].iter().find_map(|units| call_in_units(units, start, end, bounds, synchronise, duration))
 }
 
 /// Calls the library in these units; None if its result does not pass [`is_sound`].
-fn ask_in(
+fn call_in_units(
     units: &Units,
-    start: &[Moving],
-    end: &[Moving],
+    start: &[AxisState],
+    end: &[AxisState],
     bounds: &[Bounds],
     synchronise: Synchronise,
     duration: Option<f64>,
 ) -> Option<Vec<Axis>> {
     let count = start.len();
     let mut input = InputParameter::<0>::new(Some(count));
-    // Every value as `unit(axis, order of the derivative)` makes it about 1.
+    // Derivatives of this order in these units.
     let scaled = |order: i32, part: &dyn Fn(usize) -> f64| {
         let values = (0..count).map(|i| part(i) * units.factor(i, order)).collect();
         DataArrayOrVec::<f64, 0>::Heap(values)
@@ -91,7 +91,7 @@ fn ask_in(
         Synchronise::Phase => Synchronization::Phase,
         Synchronise::None => Synchronization::None,
     };
-    // The library sorts numbers that may be NaN by then, and unwraps: an answer all the same.
+    // The library panics where it sorts NaN: no result.
     let calculate = AssertUnwindSafe(|| {
         let mut trajectory = Trajectory::<0>::new(Some(count));
         let mut library = Ruckig::<0, ThrowErrorHandler>::new(Some(count), 0.0);
@@ -107,15 +107,15 @@ fn ask_in(
     (0..count).map(axis).collect()
 }
 
-/// Units in which the numbers of a profile are about 1, where the library's fixed tolerances and largest
-/// duration do not matter. Powers of two: nothing is rounded on the way.
+/// Units in which the numbers of a profile are about 1, so that the library's fixed tolerances and its largest
+/// duration have no effect. They are powers of two: the conversion is exact.
 struct Units {
     time: f64,
     lengths: Vec<f64>,
 }
 
 impl Units {
-    fn of(start: &[Moving], end: &[Moving], bounds: &[Bounds], duration: Option<f64>) -> Self {
+    fn of(start: &[AxisState], end: &[AxisState], bounds: &[Bounds], duration: Option<f64>) -> Self {
         let mut time = duration.unwrap_or(0.0);
         for ((start, end), bounds) in start.iter().zip(end).zip(bounds) {
             let velocity = bounds.velocity.min(-bounds.min_velocity);
@@ -123,8 +123,8 @@ impl Units {
             let jerk = bounds.jerk;
             let distance = (end.value - start.value).abs();
             let strong = start.acceleration.abs().max(end.acceleration.abs());
-            let swing = strong * strong / jerk;
-            let fast = start.velocity.abs().max(end.velocity.abs()) + swing;
+            let gain = strong * strong / jerk;
+            let fast = start.velocity.abs().max(end.velocity.abs()) + gain;
             let stop = fast * fast / acceleration;
             for length in [distance, stop] {
                 time = time.max(length / velocity);
@@ -135,7 +135,7 @@ impl Units {
             time = time.max(strong / jerk);
         }
         let time = power_of_two(time);
-        let length = |(start, end): (&Moving, &Moving)| {
+        let length = |(start, end): (&AxisState, &AxisState)| {
             let fast = start.velocity.abs().max(end.velocity.abs()) * time;
             let strong = start.acceleration.abs().max(end.acceleration.abs()) * time * time;
             power_of_two((end.value - start.value).abs().max(fast).max(strong))
@@ -143,9 +143,9 @@ impl Units {
         Self { time, lengths: start.iter().zip(end).map(length).collect() }
     }
 
-    /// The same, with lengths by the distances alone, where there are any.
-    fn shortened(&self, start: &[Moving], end: &[Moving]) -> Self {
-        let length = |((start, end), &whole): ((&Moving, &Moving), &f64)| {
+    /// Units of length by the distances alone, where these are not 0.
+    fn shortened(&self, start: &[AxisState], end: &[AxisState]) -> Self {
+        let length = |((start, end), &whole): ((&AxisState, &AxisState), &f64)| {
             let distance = (end.value - start.value).abs();
             if distance > 0.0 { power_of_two(distance) } else { whole }
         };
@@ -161,7 +161,7 @@ impl Units {
 
 fn power_of_two(size: f64) -> f64 {
     if size > 0.0 && size.is_finite() {
-        // Far from where numbers end.
+        // Powers of these units neither overflow nor underflow.
         size.log2().round().clamp(-200.0, 200.0).exp2()
     } else {
         1.0
@@ -169,7 +169,7 @@ fn power_of_two(size: f64) -> f64 {
 }
 
 /// The pieces of one axis.
-fn read(found: &Found, units: &Units, axis: usize, start: &Moving, end: &Moving, bounds: &Bounds) -> Axis {
+fn read(found: &RuckigResult, units: &Units, axis: usize, start: &AxisState, end: &AxisState, bounds: &Bounds) -> Axis {
     let back = |[value, velocity, acceleration, jerk]: [f64; 4]| {
         let factor = |order| units.factor(axis, order);
         [start.value + value / factor(0), velocity / factor(1), acceleration / factor(2), jerk / factor(3)]
@@ -201,8 +201,8 @@ fn read(found: &Found, units: &Units, axis: usize, start: &Moving, end: &Moving,
     Axis { pieces, duration, end: [end.value, velocity, acceleration, last[3]] }
 }
 
-/// True if the pieces join, arrive and stay within the limits.
-fn is_sound(axis: &Axis, units: &Units, i: usize, start: &Moving, end: &Moving, bounds: &Bounds) -> bool {
+/// True if the pieces are continuous, reach the end and are within the limits.
+fn is_sound(axis: &Axis, units: &Units, i: usize, start: &AxisState, end: &AxisState, bounds: &Bounds) -> bool {
     if !axis.duration.is_finite() || axis.check().is_err() {
         return false;
     }
@@ -221,7 +221,7 @@ fn is_sound(axis: &Axis, units: &Units, i: usize, start: &Moving, end: &Moving, 
     let fastest = bounds.velocity.max(-bounds.min_velocity);
     let strongest = bounds.acceleration.max(-bounds.min_acceleration);
     let within = |peak: f64, limit: f64, order| peak <= limit * (1.0 + TOLERANCE) + TOLERANCE / units.factor(i, order);
-    // Braking into the limits starts beyond them.
+    // A start beyond the limits is outside until it has been brought within them.
     let start_velocity = start.velocity.abs() + start.acceleration.powi(2) / bounds.jerk;
     (value - end.value).abs() <= TOLERANCE * size
         && within(velocity, fastest.max(start_velocity), 1)

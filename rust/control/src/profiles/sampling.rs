@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::chord::solved;
-use super::laws::pivot_swing;
-use super::limits::{Bounds, Moving, Synchronise};
+use super::constraints::pivot_direction_derivatives;
+use super::limits::{AxisState, Bounds, Synchronise};
 use super::optimal::time_optimal;
 use super::{Profile, Shape, linear};
 use six_wheel_kinematics::estimate::{Measured, Method, Unseen};
@@ -38,8 +38,8 @@ impl Wheels<'_> {
         rover.solve(twist, inputs, self.steering, self.speeds);
     }
 
-    /// Speeds by the wheel equation at the angles and rates that are there, which suit the twist.
-    pub(crate) fn spin(&mut self, rover: &Rover, twist: Twist) {
+    /// Speeds by the wheel equation at the present angles and rates, which have to be those of the twist.
+    pub(crate) fn roll_at_angles(&mut self, rover: &Rover, twist: Twist) {
         let vector = Vector3::from(twist);
         let mut joint = 0;
         for (i, wheel) in rover.wheels().iter().enumerate() {
@@ -57,7 +57,7 @@ impl Wheels<'_> {
         }
     }
 
-    /// Steering angles by a profile, whose first axes they are.
+    /// Steering angles and their derivatives by the first axes of a profile.
     pub fn follow(&mut self, profile: &Profile, time: f64) {
         for (j, angle) in self.steering.iter_mut().enumerate() {
             let [value, rate, acceleration, _] = profile.at(j, time);
@@ -67,7 +67,7 @@ impl Wheels<'_> {
         }
     }
 
-    /// The twist that fits the wheels best, and how fast the worst of them slides under it [m/s].
+    /// The least-squares twist of the wheels, and the largest speed at which one of them slides under it [m/s].
     pub fn scrub(&self, rover: &Rover) -> Result<(Twist, f64), Error> {
         let measured = Measured { steering: self.steering, speeds: self.speeds, steering_rates: Some(self.rates) };
         let (mut residual, mut weights) = ([0.0; MAX_WHEELS], [0.0; MAX_WHEELS]);
@@ -92,7 +92,7 @@ pub(crate) fn check_trail(rover: &Rover) -> Result<(), Error> {
     }
 }
 
-/// The body's twist follows a profile, the wheels follow the twist.
+/// A transition by a profile of the body's twist, from which the wheels follow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyTransition {
     rover: Rover,
@@ -115,7 +115,7 @@ impl BodyTransition {
         Ok(Self { rover: rover.clone(), profile, previous })
     }
 
-    /// As fast as limits of the acceleration and jerk of vx and vy each, and of omega, allow.
+    /// Time-optimal within limits of the acceleration and jerk `[.., ..]` of vx and vy each, and of omega.
     pub fn within(
         rover: &Rover,
         [start, end]: [Twist; 2],
@@ -127,11 +127,11 @@ impl BodyTransition {
         let limits = [linear, linear, angular];
         let bounds = |axis: usize| {
             let [first, second] = limits[axis];
-            // An axis that does not change needs no limit.
+            // The limit of an axis that does not change has no effect, so an infinite one is replaced.
             let first = if start[axis] == end[axis] { first.min(1.0) } else { first };
             Bounds::symmetric(first, second, f64::INFINITY)
         };
-        let (from, to) = (Moving::resting(&start), Moving::resting(&end));
+        let (from, to) = (AxisState::resting(&start), AxisState::resting(&end));
         let profile = time_optimal(&from, &to, &[0, 1, 2].map(bounds), synchronise, None)?;
         Self::new(rover, profile, previous)
     }
@@ -146,11 +146,11 @@ impl BodyTransition {
         &self.rover
     }
 
-    /// Twist and wheels at a time [s]; a wheel that would have to leave its range stands at its end.
+    /// Twist and wheels at a time [s]; steering angles are clipped to their ranges.
     pub fn at(&self, time: f64, wheels: &mut Wheels<'_>) -> Twist {
         let moving = twist_at(&self.profile, time);
         for (j, &i) in self.rover.steered().iter().enumerate() {
-            let [rate, acceleration] = pivot_swing(&self.rover, i, moving);
+            let [rate, acceleration] = pivot_direction_derivatives(&self.rover, i, moving);
             wheels.rates[j] = rate;
             wheels.accelerations[j] = acceleration;
         }
@@ -197,7 +197,7 @@ impl Modules<'_> {
     }
 }
 
-/// Every steering angle and every wheel speed follows its own profile.
+/// A transition by a profile of every steering angle and every wheel speed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModuleTransition {
     rover: Rover,
@@ -218,7 +218,7 @@ impl ModuleTransition {
         Ok(Self { rover: rover.clone(), profile: shape.between(&start.joined(), &end.joined(), duration)? })
     }
 
-    /// All modules as fast as their limits allow; wheels without a limit at the pace of the steering.
+    /// Time-optimal within the limits of the modules; wheels without a limit take the time of the steering.
     pub fn within(
         rover: &Rover,
         start: Modules<'_>,
@@ -232,7 +232,7 @@ impl ModuleTransition {
         let bounds = |bounds: Bounds, count: usize| vec![bounds; count];
         let (joints, wheels) = (start.steering.len(), start.speeds.len());
         let fastest = |from: &[f64], to: &[f64], bounds: &[Bounds]| {
-            time_optimal(&Moving::resting(from), &Moving::resting(to), bounds, synchronise, None)
+            time_optimal(&AxisState::resting(from), &AxisState::resting(to), bounds, synchronise, None)
         };
         let is_limited = |bounds: &Bounds| bounds.velocity.min(bounds.acceleration).is_finite();
         let profile = if is_limited(&rolling) {

@@ -8,9 +8,9 @@ use six_wheel_numerics::error::{Error, finite, number, positive};
 pub enum Shape {
     /// [`linear`].
     Linear,
-    /// [`trapezoid`], a third of the time each for the ramps.
+    /// [`trapezoid`] with ramps of a third of the duration each.
     Trapezoid,
-    /// [`s_curve`], the least jerk.
+    /// [`s_curve`] with ramps of half the duration: the least peak jerk.
     #[default]
     SCurve,
 }
@@ -77,11 +77,11 @@ fn check_ramp(duration: f64, ramp: f64) -> Result<(), Error> {
     Err(Error::value("ramp", rule, number(ramp)))
 }
 
-/// Velocity, acceleration and jerk at the start of a stretch, and how long it takes [s].
+/// Velocity, acceleration and jerk at the start of a piece, and its duration [s].
 type Stretch = ([f64; 3], f64);
 
-/// Every axis by the same recipe for its change of value. A recipe is its own mirror image: values before
-/// the middle count from the start and the others from the end, so that both ends are exact.
+/// A profile of every axis by `recipe`, the pieces for a change of value. Recipes are point-symmetric about the middle:
+/// values before it are integrated from the start and the others from the end, so that both ends are exact.
 fn shape(start: &[f64], end: &[f64], duration: f64, recipe: impl Fn(f64) -> Vec<Stretch>) -> Result<Profile, Error> {
     finite("start", start)?;
     finite("end", end)?;
@@ -104,7 +104,7 @@ fn chain(start: f64, end: f64, duration: f64, stretches: &[Stretch]) -> Axis {
         time += length;
         value += super::constant_jerk_state(state, length)[0];
     }
-    // The second half backwards from the end.
+    // The second half, integrated backwards from the end.
     let (mut time, mut value) = (duration, end);
     for (i, (state, length)) in stretches.iter().map(rest).enumerate().rev() {
         time -= length;
@@ -118,7 +118,7 @@ fn chain(start: f64, end: f64, duration: f64, stretches: &[Stretch]) -> Axis {
         let (state, length) = rest(stretch);
         super::constant_jerk_state(state, length)
     });
-    // The rest of a velocity or acceleration that ends in rest is rounding.
+    // A final velocity or acceleration that differs from 0 is rounding.
     let ends = |i: usize| {
         let largest = stretches.iter().fold(0.0, |a: f64, (moving, _)| a.max(moving[i - 1].abs()));
         if last[i].abs() <= 1e-14 * largest { 0.0 } else { last[i] }

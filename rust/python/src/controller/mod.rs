@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use six_wheel_control::controller::{Align, Controller as Core, Mode, Options};
+use six_wheel_control::controller::{AlignmentPolicy, Controller as Core, Mode, Options};
 use six_wheel_kinematics::geometry::Twist;
 
 use crate::arguments as given;
@@ -135,7 +135,7 @@ methods! { Controller:
             period,
             max_step,
             mode: Mode::from_str(mode).or_raise(&[])?,
-            align: align.map(Align::from_str).transpose().or_raise(&[])?,
+            align: align.map(AlignmentPolicy::from_str).transpose().or_raise(&[])?,
             align_tolerance,
             following_error,
             following_time,

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use six_wheel_control::profiles::{self as core, Bounds, Moving, Synchronise};
+use six_wheel_control::profiles::{self as core, AxisState, Bounds, Synchronise};
 
 use super::Profile;
 use super::inputs::{Values, axes};
@@ -48,11 +48,11 @@ impl Given<'_> {
     }
 
     /// Value, velocity and acceleration of every axis, by the names of these arguments.
-    fn state(&self, count: usize, names: [&str; 3]) -> Vec<Moving> {
+    fn state(&self, count: usize, names: [&str; 3]) -> Vec<AxisState> {
         let of_axis = |axis| names.map(|name| self.at(name, axis));
         (0..count)
             .map(of_axis)
-            .map(|[value, velocity, acceleration]| Moving { value, velocity, acceleration })
+            .map(|[value, velocity, acceleration]| AxisState { value, velocity, acceleration })
             .collect()
     }
 

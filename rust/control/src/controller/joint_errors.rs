@@ -1,12 +1,12 @@
-//! Joints that do not follow their commands: they are measured, and halt the rover once they are stuck.
+//! Following errors of the steering joints: measured less commanded angles, and the halt by a stuck joint.
 
 use std::f64::consts::{PI, TAU};
 
 use super::Controller;
 
 impl Controller {
-    /// Measured angles minus those last commanded [rad], if the last step was given any. That of a joint without an end
-    /// is the shorter way round.
+    /// Measured less last commanded angles [rad], if the last step was given any; of a joint without ends within half a
+    /// turn.
     pub fn joint_errors(&self) -> Option<&[f64]> {
         self.following.measured.then_some(&self.following.errors)
     }
@@ -18,8 +18,8 @@ impl Controller {
         self.following.stuck.or_else(|| Some(worst().max_by(|(_, a), (_, b)| a.total_cmp(b))?.0))
     }
 
-    /// Takes note of the measured angles [rad], and halts if a joint has not followed for too long.
-    pub(super) fn watch_joints(&mut self, measured: Option<&[f64]>, dt: f64) {
+    /// Records the errors of the measured angles [rad], and halts if an error has exceeded its bound for too long.
+    pub(super) fn check_joints(&mut self, measured: Option<&[f64]>, dt: f64) {
         self.following.measured = measured.is_some();
         let Some(measured) = measured else {
             return;
@@ -44,7 +44,7 @@ impl Controller {
                 found = found.filter(|&other| larger(other)).or(Some(k));
             }
             if following.holds[k].map_or(late, |_| !rests) {
-                // At the same whole turn as it was commanded, inside its range.
+                // The measured angle in the whole turn of the command, clipped to the range.
                 following.holds[k] = Some(wheel.steering().unwrap_or_default().clip(self.steering[k] + error));
             }
         }

@@ -1,4 +1,4 @@
-//! Limits of the speed along a chord: a constraint for every joint and every part of the body's motion.
+//! Constraints of the pace along a chord: one for every limit of a joint, a wheel or the body.
 
 use nalgebra::{Complex, Vector2, Vector3};
 
@@ -7,7 +7,7 @@ use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::{Mount, Rover};
 use six_wheel_numerics::error::{Error, HUGE, TINY, number};
 
-/// Limits whose cubes, of rates, are still numbers.
+/// Limits whose cubes neither overflow nor underflow.
 const SIZES: std::ops::RangeInclusive<f64> = TINY..=HUGE;
 
 /// Limits of a transition; infinite where there is none.
@@ -71,8 +71,8 @@ impl IcrLimits {
         Err(Error::value("steering_rate", rule, number(self.steering_rate)))
     }
 
-    /// Largest acceleration of a steering joint: without a limit but that of the jerk, what a ramp up to the
-    /// largest rate takes; with the contact beside the pivot, half of what its wheel may accelerate.
+    /// Largest acceleration of a steering joint [rad/s²]. With a limit of the jerk alone, that of a ramp to the
+    /// largest rate; with a scrub radius, at most that for half of the wheel's acceleration.
     pub fn acceleration_of(&self, scrub: f64, radius: f64) -> f64 {
         let by_jerk = (self.steering_rate * self.steering_jerk).sqrt();
         let own = self.steering_acceleration.min(by_jerk);
@@ -80,10 +80,10 @@ impl IcrLimits {
     }
 }
 
-/// One limit along a chord: the pace it asks for, in time per share of the chord [s].
+/// One constraint along a chord, by the least time per share of the chord that it allows [s].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Constraint {
-    /// The same all along.
+    /// The same time per share everywhere [s].
     Even(f64),
     /// A joint turns at most at this rate [rad/s].
     Angle(Joint, f64),
@@ -95,24 +95,24 @@ pub(crate) enum Constraint {
 }
 
 impl Constraint {
-    /// Least time per share of the chord.
-    pub fn pace(&self, s: f64) -> f64 {
+    /// Least time per share of the chord [s], the inverse of the largest derivative of the share by time.
+    pub fn slowness(&self, s: f64) -> f64 {
         match *self {
             Self::Even(pace) => pace,
-            Self::Angle(joint, rate) => joint.swing(s)[0].abs() / rate,
+            Self::Angle(joint, rate) => joint.angle_derivatives(s)[0].abs() / rate,
             Self::Speed(joint, rate) => joint.speed(s)[1].abs() / rate,
             Self::Rolling(joint, scrub, fastest, [a, b]) => {
                 let used = joint.speed(s)[0] + (a + s * (b - a)).abs();
-                (scrub * joint.swing(s)[0]).abs() / (fastest - used).max(0.0)
+                (scrub * joint.angle_derivatives(s)[0]).abs() / (fastest - used).max(0.0)
             }
         }
     }
 
-    /// Derivative of the pace with respect to the share of the chord [s].
+    /// Derivative of [`Self::slowness`] by the share of the chord [s].
     pub fn slope(&self, s: f64) -> f64 {
         match *self {
             Self::Angle(joint, rate) => {
-                let [first, second, _] = joint.swing(s);
+                let [first, second, _] = joint.angle_derivatives(s);
                 second * first.signum() / rate
             }
             Self::Speed(joint, rate) => {
@@ -123,7 +123,8 @@ impl Constraint {
         }
     }
 
-    /// Time from the start of the chord under this constraint alone, where the pace keeps its sign [s].
+    /// Integral of [`Self::slowness`] from the start of the chord to share `s`, on a part where its terms keep their
+    /// signs [s].
     pub fn time(&self, s: f64) -> f64 {
         match *self {
             Self::Even(pace) => pace * s,
@@ -136,11 +137,11 @@ impl Constraint {
         }
     }
 
-    /// The inverse of [`Self::time`] on the side of the slowest point on which `near` lies.
+    /// The inverse of [`Self::time`], on the same side of the point of least pivot speed as `near`.
     pub fn place(&self, time: f64, near: f64) -> f64 {
         match *self {
             Self::Even(pace) => time / pace,
-            Self::Angle(joint, rate) => joint.reaches(rate * time * joint.swing(near)[0].signum()),
+            Self::Angle(joint, rate) => joint.place_of(rate * time * joint.angle_derivatives(near)[0].signum()),
             Self::Speed(joint, rate) => joint.at_speed((rate * time).abs(), near >= joint.slowest()),
             Self::Rolling(..) => near,
         }
@@ -148,9 +149,9 @@ impl Constraint {
 }
 
 /// All constraints of a chord.
-pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Constraint> {
+pub(crate) fn constraints(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Constraint> {
     let change = chord.change();
-    let mut laws = Vec::new();
+    let mut constraints = Vec::new();
     let mut even = (Vector2::new(change.x, change.y).norm() / limits.acceleration)
         .max(change.z.abs() / limits.angular_acceleration);
     let mut joints = chord.joints.iter();
@@ -164,18 +165,18 @@ pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Cons
                 let Some(&joint) = joints.next() else {
                     continue;
                 };
-                let turns = joint.swing(0.5)[0] != 0.0;
+                let turns = joint.angle_derivatives(0.5)[0] != 0.0;
                 if turns {
-                    laws.push(Constraint::Angle(joint, limits.steering_rate));
+                    constraints.push(Constraint::Angle(joint, limits.steering_rate));
                 }
                 if !is_driven(rover, i) {
                     continue;
                 }
-                // With the contact beside the pivot, half of the acceleration is for the turning of the pivot.
+                // With a scrub radius, half of the wheel's acceleration is for its rolling by the steering rate.
                 let offset = wheel.scrub.abs() * change.z.abs();
                 let rest = if wheel.scrub == 0.0 { rim } else { rim / 2.0 };
                 if turns && rest.is_finite() && offset == 0.0 {
-                    laws.push(Constraint::Speed(joint, rest));
+                    constraints.push(Constraint::Speed(joint, rest));
                 } else {
                     let fastest = joint.speed(0.0)[1].abs().max(joint.speed(1.0)[1].abs());
                     even = even.max((fastest + offset) / rest);
@@ -183,25 +184,25 @@ pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Cons
                 if wheel.scrub != 0.0 && turns && limits.wheel_speed.is_finite() {
                     let ends = [chord.start.z, chord.end.z].map(|omega| wheel.scrub * omega);
                     let rim_speed = limits.wheel_speed * wheel.radius;
-                    laws.push(Constraint::Rolling(joint, wheel.scrub, rim_speed, ends));
+                    constraints.push(Constraint::Rolling(joint, wheel.scrub, rim_speed, ends));
                 }
             }
             Mount::Fixed(_) | Mount::Castor(_) => {}
         }
     }
-    laws.push(Constraint::Even(even));
-    laws
+    constraints.push(Constraint::Even(even));
+    constraints
 }
 
 /// Rate, acceleration and jerk of the direction of a vector, from the vector and its derivatives.
-pub(crate) fn swing(u: [Complex<f64>; 4]) -> [f64; 3] {
+pub(crate) fn direction_derivatives(u: [Complex<f64>; 4]) -> [f64; 3] {
     let [w, second, third] = [u[1] / u[0], u[2] / u[0], u[3] / u[0]];
     let bend = second - w * w;
     [w.im, bend.im, (third - second * w * 3.0 + w * w * w * 2.0).im]
 }
 
 /// Rate and acceleration of the direction in which a pivot moves.
-pub(crate) fn pivot_swing(rover: &Rover, i: usize, twist: [Vector3<f64>; 3]) -> [f64; 2] {
+pub(crate) fn pivot_direction_derivatives(rover: &Rover, i: usize, twist: [Vector3<f64>; 3]) -> [f64; 2] {
     let wheel = &rover.wheels()[i];
     let velocity = |twist: Vector3<f64>| {
         let u = Twist::from(twist).at(wheel.x, wheel.y);
@@ -211,6 +212,6 @@ pub(crate) fn pivot_swing(rover: &Rover, i: usize, twist: [Vector3<f64>; 3]) -> 
     if u.norm() == 0.0 {
         return [0.0; 2];
     }
-    let [rate, acceleration, _] = swing([u, first, second, Complex::default()]);
+    let [rate, acceleration, _] = direction_derivatives([u, first, second, Complex::default()]);
     [rate, acceleration]
 }
