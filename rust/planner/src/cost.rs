@@ -1,4 +1,4 @@
-//! Costs of a rollout: the map under the rover, the distance to the goal, the path.
+//! Costs of a rollout by its poses: the map under the rover, the distance to the goal, the path.
 
 use std::ops::Range;
 
@@ -10,20 +10,24 @@ use six_wheel_numerics::simd::float::Float;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Points of the path at most.
+/// Largest number of points of a path.
 const POINTS: usize = 4096;
 
 /// A path as points at equal distances: each with the direction to the next one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Path {
+    /// Points x, y [m] and unit directions.
     points: Vec<[f64; 4]>,
+    /// Distance between points [m].
     spacing: f64,
+    /// Length of the path [m].
     length: f64,
 }
 
 impl Path {
-    /// Points at most half a metre and a thousandth of the way apart; those of zero length are left out.
-    pub fn follow(&mut self, corners: &[[f64; 2]]) {
+    /// Samples the polygon of these corners [m], at most half a metre and a thousandth of its length apart; segments of
+    /// length 0 are left out.
+    pub fn set_corners(&mut self, corners: &[[f64; 2]]) {
         self.points.clear();
         let span = |pair: &[[f64; 2]]| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
         self.length = corners.windows(2).map(span).sum();
@@ -62,7 +66,7 @@ impl Path {
         self.points.is_empty()
     }
 
-    /// Distance along the path of its point nearest to a place, searched from `from` to `to` [m].
+    /// Arc length of the path's point nearest to a position, searched from `from` to `to` [m].
     pub fn nearest(&self, place: [f64; 2], from: f64, to: f64) -> f64 {
         let mut best = (f64::INFINITY, from.clamp(0.0, self.length));
         for (k, [x, y, tx, ty]) in self.points.iter().enumerate() {
@@ -86,7 +90,7 @@ impl Path {
 pub struct Weights {
     /// Cost of the map under the rover [1/s].
     pub map: f64,
-    /// Of a rollout that gets to a lethal place, once.
+    /// Cost of a rollout that reaches a lethal position, once.
     pub collision: f64,
     /// Distance to the goal [1/(m s)], and at the end [1/m].
     pub goal: f64,
@@ -96,7 +100,7 @@ pub struct Weights {
     pub goal_yaw: f64,
     /// Distance from the path [1/(m s)].
     pub path: f64,
-    /// Way made along the path, a gain [1/m].
+    /// Gain of arc length along the path, subtracted [1/m].
     pub progress: f64,
     /// Square of the sine between the rover's heading and the path [1/s].
     pub heading: f64,
@@ -150,7 +154,7 @@ impl Weights {
     }
 }
 
-/// The first of x, y, cosine and sine of some rollouts at a step of a track.
+/// The first `N` of x, y [m], cosine and sine of the heading, of some rollouts at a step of a track.
 #[inline(always)]
 fn quantities<S: Vector, R: Float, const N: usize>(simd: S, step: &[R], at: usize) -> [Lanes<S, R>; N] {
     let mut quantities = [Lanes::constant(simd, 0.0); N];
@@ -165,11 +169,13 @@ pub(crate) struct CostTerms<'a, R> {
     pub map: Option<&'a Costmap>,
     /// Points of the rover where the map is read, in the components' axes [m].
     pub points: &'a [[f64; 2]],
+    /// Position of the rover at the start, from which positions are counted [m].
     pub start: [f64; 2],
+    /// Position of the goal [m].
     pub goal: Option<[f64; 2]>,
     /// Cosine and sine of the heading to have at the goal.
     pub goal_heading: Option<[f64; 2]>,
-    /// Points of the path with their directions, and how far along it is [m].
+    /// Points of the path with their directions, their spacing, its length, and the rover's arc length on it [m].
     pub path: &'a [[R; 4]],
     pub spacing: f64,
     pub length: f64,
@@ -180,7 +186,7 @@ pub(crate) struct CostTerms<'a, R> {
 
 #[inline_always]
 impl<R: Float> CostTerms<'_, R> {
-    /// Adds to the costs of some rollouts of a block what their way costs.
+    /// Adds the costs of the poses of some rollouts of a block to `costs`.
     pub fn add<S: Vector>(&self, simd: S, track: &[R], costs: &mut [R], rollouts: Range<usize>) {
         for at in rollouts.step_by(R::lanes::<S>()) {
             let mut sum = Lanes::<S, R>::from_slice(simd, &costs[at..]);
@@ -244,7 +250,7 @@ impl<R: Float> CostTerms<'_, R> {
         hit.select(sum + self.weights.collision, sum)
     }
 
-    /// The map's cost at a place, linear between cells along each axis.
+    /// The map's cost at a position, interpolated bilinearly between cells.
     fn between<S: Vector>(&self, simd: S, map: &Costmap, x: Lanes<S, R>, y: Lanes<S, R>) -> Lanes<S, R> {
         let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let zero = number(0.0);
@@ -259,7 +265,7 @@ impl<R: Float> CostTerms<'_, R> {
         let whole =
             [inside[0].floor().min(number((columns - 2) as f64)), inside[1].floor().min(number((rows - 2) as f64))];
         let [tx, ty] = [inside[0] - whole[0], inside[1] - whole[1]];
-        // SAFETY: `max` and `min` have left nothing but places whose neighbours are on the map, not even a NaN.
+        // SAFETY: `max` and `min` have clamped every position, also NaN, to cells whose neighbours are on the map.
         let [low, high] = unsafe { Lanes::corners(simd, map.values(), columns, whole) };
         let low = tx.mul_add(low[1] - low[0], low[0]);
         let high = tx.mul_add(high[1] - high[0], high[0]);
@@ -271,7 +277,8 @@ impl<R: Float> CostTerms<'_, R> {
         value
     }
 
-    /// Follows the path beside the rollout: the arc length of its nearest point is corrected at every step by its error.
+    /// Adds the costs of the path. The arc length of the point next to the rollout is updated at every step by the
+    /// projection onto the path's direction at the last one.
     fn along<S: Vector>(&self, simd: S, track: &[R], at: usize, mut sum: Lanes<S, R>) -> Lanes<S, R> {
         let number = |value: f64| Lanes::<S, R>::constant(simd, value);
         let lanes = R::lanes::<S>();
@@ -296,11 +303,11 @@ impl<R: Float> CostTerms<'_, R> {
             }
             let [px, py, tx, ty] = quantities(simd, &columns, 0);
             let (dx, dy) = (x - px, y - py);
-            let wanted = dx.mul_add(tx, dy * ty) + whole * spacing;
-            place = wanted.max(zero).min(length);
+            let desired = dx.mul_add(tx, dy * ty) + whole * spacing;
+            place = desired.max(zero).min(length);
             let across = c * ty - s * tx;
             sum = (across * across).mul_add(askew, sum);
-            let (beyond, aside) = (wanted - place, dx * ty - dy * tx);
+            let (beyond, aside) = (desired - place, dx * ty - dy * tx);
             let mut off = aside.abs();
             let is_beyond = zero.lt(beyond.abs());
             if is_beyond.any() {
@@ -314,7 +321,7 @@ impl<R: Float> CostTerms<'_, R> {
 }
 
 impl Path {
-    /// The points in another kind of number, counted from a place.
+    /// The points in another precision, relative to a position.
     pub fn write<R: Float>(&self, start: [f64; 2], to: &mut Vec<[R; 4]>) {
         to.clear();
         to.extend(self.points.iter().map(|[x, y, tx, ty]| [x - start[0], y - start[1], *tx, *ty].map(R::from_f64)));

@@ -14,7 +14,7 @@ pub struct Costmap {
     outside: Option<f64>,
 }
 
-/// Rows and columns at most: their numbers are exact in single precision.
+/// Largest number of rows and of columns: their indices are exact in single precision.
 const MOST: usize = 1 << 22;
 
 impl Costmap {
@@ -61,28 +61,28 @@ impl Costmap {
         &self.placement
     }
 
-    /// Cost from which on a place is forbidden.
+    /// Cost from which on a position is lethal.
     pub fn lethal(&self) -> Option<f64> {
         self.lethal
     }
 
-    /// Cost of every place beyond the map; without it that of the nearest place on it.
+    /// Cost of every position beyond the map; without it that of the nearest position on it.
     pub fn outside(&self) -> Option<f64> {
         self.outside
     }
 
-    /// The cost of the cell next to a place.
+    /// The cost of the cell nearest to a position.
     pub(crate) fn nearest(&self, [x, y]: [f64; 2]) -> f64 {
         let [column, row] = self.placement.grid_from_world(x, y);
         let index = |cells: f64, count: usize| cells.round().clamp(0.0, (count - 1) as f64) as usize;
         f64::from(self.values[index(row, self.rows) * self.columns + index(column, self.columns)])
     }
 
-    /// Fails unless the place is on the map.
+    /// Fails unless the position is on the map.
     pub fn check_holds(&self, [x, y, _]: [f64; 3]) -> Result<(), Error> {
         let (last, place) = (self.shape().map(|count| (count - 1) as f64), self.placement.grid_from_world(x, y));
         let ([x0, y0], [x1, y1]) = (self.placement.origin(), self.placement.world_from_grid(last[1], last[0]));
-        // A place on the border, whose coordinates were rounded, is on the map.
+        // A position on the border, up to the rounding of its coordinates, is on the map.
         let rounding = 4.0 * f64::EPSILON * [x, y, x0, y0].iter().map(|value| value.abs()).sum::<f64>();
         let is_within = |axis: usize, last: f64| {
             let slack = rounding / self.placement.spacing()[axis];

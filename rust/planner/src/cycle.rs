@@ -3,14 +3,14 @@
 use super::costmap::Costmap;
 use crate::motion::limits::ImmobileReason;
 
-/// All that a planner remembers from one cycle to the next.
+/// State of a planner that is kept from one cycle to the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// Control of every step, in body axes [m/s, m/s, rad/s].
     pub controls: Vec<[f64; 3]>,
     /// Cycles so far.
     pub cycle: u32,
-    /// Set angles of the steering joints [rad].
+    /// Commanded angles of the steering joints [rad].
     pub steering: Vec<f64>,
     /// Distance of the rover along its path [m].
     pub progress: f64,
@@ -19,9 +19,9 @@ pub struct State {
 /// Input of a cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CycleInput<'a> {
-    /// x, y, yaw [m, m, rad].
+    /// Pose x, y, yaw [m, m, rad].
     pub pose: [f64; 3],
-    /// In body axes [m/s, m/s, rad/s].
+    /// Twist in body axes [m/s, m/s, rad/s].
     pub twist: [f64; 3],
     /// Measured steering angles [rad].
     pub steering: Option<&'a [f64]>,
@@ -42,11 +42,12 @@ pub struct CycleInput<'a> {
 pub struct CycleOutput {
     /// The motion to command now [m/s, m/s, rad/s].
     pub twist: [f64; 3],
-    /// Angles of its joints after this step [rad], and speeds of its wheels [rad/s].
+    /// Commands for this step: steering angles [rad] and wheel speeds [rad/s].
     pub steering: Vec<f64>,
     /// See `steering`.
     pub speeds: Vec<f64>,
-    /// Motions and poses that the mean leads to: one row a step, poses with the start first.
+    /// Twists [m/s, m/s, rad/s] and poses [m, m, rad] of the rollout of the mean: one row a step, poses with the start
+    /// first.
     pub twists: Vec<[f64; 3]>,
     /// See `twists`.
     pub poses: Vec<[f64; 3]>,
@@ -54,8 +55,8 @@ pub struct CycleOutput {
     pub cost: f64,
     /// Effective number of rollouts: one over the sum of the squared weights.
     pub effective: f64,
-    /// Reason for which the rover stays, if it has to.
+    /// Reason why the rover cannot move; None if it can.
     pub stuck: Option<ImmobileReason>,
-    /// True if the rover is at its goal, as near as the noise of one step.
+    /// True if the rover is at its goal: within one standard deviation of the displacement by the noise of one step.
     pub arrived: bool,
 }

@@ -14,10 +14,10 @@ use six_wheel_numerics::simd::float::Float;
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::threads::workers::Workers;
 
-/// Parts the new mean is added up in, whatever the number of threads.
+/// Number of partial sums of the new mean, independent of the number of threads.
 const STRIPES: usize = 4;
 
-/// Most steps of rollouts in one task: signals are taken between two of them.
+/// Most steps of rollouts in one task: interrupts are checked between tasks.
 const TASK: usize = 1 << 18;
 
 /// Constants of all cycles.
@@ -31,7 +31,7 @@ pub(crate) struct MppiConstants {
 
 /// A cycle in either precision.
 pub(crate) trait RolloutEngine: Send + Sync {
-    /// Drives all rollouts and adds up their costs.
+    /// Samples and simulates all rollouts and adds up their costs.
     fn sample_rollouts(
         &mut self,
         input: &RolloutInput,
@@ -44,7 +44,7 @@ pub(crate) trait RolloutEngine: Send + Sync {
     fn costs(&self, to: &mut Vec<f64>);
     /// The mean of the controls with these weights.
     fn mean(&mut self, weights: &[f64], workers: Workers, to: &mut [f64]) -> Result<(), Error>;
-    /// Drives one rollout by these controls; its motions `[step][component]` and positions `[step][x, y]`.
+    /// Simulates one rollout of these controls; writes its motions `[step][component]` and positions `[step][x, y]`.
     fn nominal(&mut self, start: &RolloutStart, controls: &[f64], level: Level, to: [&mut [f64]; 2]);
     /// Motions and positions of one of the rollouts that were recorded.
     fn recorded(&self, rollout: usize, to: [&mut [f64]; 2]);
@@ -176,7 +176,7 @@ impl<R: Float, const M: usize> RolloutEngine for SampledRollouts<R, M> {
 
     fn nominal(&mut self, start: &RolloutStart, controls: &[f64], level: Level, [motions, positions]: [&mut [f64]; 2]) {
         let [row, _] = self.block_sizes();
-        // The memory of the sums is larger than the controls and motions of a block.
+        // The memory of the sums is reused: it is larger than the controls and motions of a block.
         let (block, rest) = self.sums.split_at_mut(row);
         for (block, control) in block.chunks_exact_mut(BLOCK).zip(controls) {
             block.fill(R::from_f64(*control));

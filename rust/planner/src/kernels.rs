@@ -14,24 +14,27 @@ use six_wheel_numerics::simd::vector::Vector;
 #[derive(Debug, Default)]
 pub(crate) struct RolloutInput {
     pub initial: RolloutStart,
-    /// Mean, standard deviation and largest of the controls: `[step][component]`, `[component]`, `[component]`.
+    /// Mean, standard deviation and largest magnitude of the controls: `[step][component]`, `[component]`,
+    /// `[component]`.
     pub mean: Vec<f64>,
     pub sigma: Vec<f64>,
     pub cap: Vec<f64>,
     /// Correlation of the noise of a step with that of the next one.
     pub memory: f64,
-    /// Steps whose controls cannot be changed any more.
+    /// Number of steps whose controls are already sent.
     pub fixed: usize,
-    /// Controls of the first rollouts, held all the way; the very first is the mean.
+    /// Constant controls of the rollouts 1 and up; rollout 0 has the mean.
     pub constant: Vec<f64>,
     pub seed: u64,
     pub cycle: u32,
     pub samples: usize,
+    /// Position of the rover and of the goal [m].
     pub start: [f64; 2],
     pub goal: Option<[f64; 2]>,
     /// Cosine and sine of the heading of the components' axes at the goal.
     pub goal_heading: Option<[f64; 2]>,
     pub has_path: bool,
+    /// Arc length of the rover on the path [m].
     pub progress: f64,
     /// True if the rollouts' motions are kept for an extra cost.
     pub record: bool,
@@ -85,7 +88,8 @@ impl<R: Float, const M: usize> Kernel for RolloutTask<'_, R, M> {
     }
 }
 
-/// Controls of a block from its noise, which remembers a share of the step before.
+/// Controls of a block from its noise, an autoregressive process of order 1: `n_k = memory n_(k-1) + sqrt(1 - memory²)
+/// e_k`.
 #[inline(always)]
 fn sample_controls<S: Vector, R: Float, const M: usize>(
     simd: S,

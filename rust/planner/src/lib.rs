@@ -1,12 +1,12 @@
 //! A sampling planner's whole cycle: noise, controls, rollouts within a rover's limits, costs, weights, new mean.
 //!
-//! A rover and its limits are a few half-spaces and quadratic forms (`motion/limits`). By them rollouts are driven
-//! (`motion/drive`) and their costs added up (`cost`), a block at a time, by the same operations in the same order whatever
-//! the level, the number of threads and the position in the batch (`kernels`, `engine`). All state of a planner is in
+//! A rover and its limits are half-spaces and quadratic forms (`motion/limits`). With these, rollouts are simulated
+//! (`motion/drive`) and their costs added up (`cost`), a block at a time, by the same operations in the same order at
+//! every level, number of threads and position in the batch (`kernels`, `engine`). All state of a planner is in
 //! [`State`]. A cycle (`mppi`) begins in `prepare` and ends in `update_mean`.
 //!
 //! Source: G. Williams et al., Information-theoretic model predictive control, IEEE T-RO 34(6), 2018; E. Trevisan &
-//! J. Alonso-Mora, Biased-MPPI, IEEE RA-L 9(6), 2024, for samples that are no noise.
+//! J. Alonso-Mora, Biased-MPPI, IEEE RA-L 9(6), 2024, for the constant controls among the samples.
 
 #[macro_use]
 extern crate six_wheel_numerics;

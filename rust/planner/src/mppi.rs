@@ -26,18 +26,19 @@ pub struct Mppi {
     pub(crate) path: Path,
     pub(crate) corners: Vec<[f64; 2]>,
     pub(crate) input: RolloutInput,
-    pub(crate) situation: ([f64; 3], Vec<f64>),
-    /// Cycles that were begun.
-    pub(crate) rolls: u64,
+    /// Pose [m, m, rad] and steering angles [rad] at the start of the cycle.
+    pub(crate) start: ([f64; 3], Vec<f64>),
+    /// Number of cycles begun.
+    pub(crate) cycles_started: u64,
     pub(crate) costs: Vec<f64>,
     pub(crate) mean: Vec<f64>,
     pub(crate) motions: Vec<f64>,
     pub(crate) places: Vec<f64>,
-    pub(crate) outcome: CycleOutput,
+    pub(crate) output: CycleOutput,
 }
 
 impl Mppi {
-    /// A planner at the beginning. Fails if an option makes no sense.
+    /// A planner before its first cycle. Fails if an option is invalid.
     pub fn new(rover: &Rover, limits: Limits, options: Options) -> Result<Self, Error> {
         options.check()?;
         let bounds = RoverLimits::new(rover, limits)?;
@@ -68,20 +69,20 @@ impl Mppi {
             path: Path::default(),
             corners: Vec::new(),
             input: RolloutInput::default(),
-            situation: Default::default(),
-            rolls: 0,
+            start: Default::default(),
+            cycles_started: 0,
             costs: Vec::new(),
             mean: vec![0.0; count],
             motions: vec![0.0; count],
             places: vec![0.0; 2 * options.horizon],
-            outcome: CycleOutput::default(),
+            output: CycleOutput::default(),
             options,
         };
         planner.reset();
         Ok(planner)
     }
 
-    /// Back to where it was when it was made.
+    /// Resets the state to that of a new planner.
     pub fn reset(&mut self) {
         self.state = State {
             controls: vec![[0.0; 3]; self.options.horizon],
@@ -98,7 +99,7 @@ impl Mppi {
         &self.state
     }
 
-    /// Goes on from there. Fails if it is not of this planner's size or a number is not finite.
+    /// Sets the state. Fails if its size is not that of this planner or a number is not finite.
     pub fn set_state(&mut self, state: State) -> Result<(), Error> {
         if state.controls.len() != self.options.horizon {
             let rule = format!("have {} rows", self.options.horizon);
@@ -131,9 +132,10 @@ impl Mppi {
         self.noise
     }
 
-    /// Number of cycles begun: a caller of [`Self::weigh`] checks by it that the rollouts are still those it started.
-    pub fn rolls(&self) -> u64 {
-        self.rolls
+    /// Number of cycles begun, by which a caller of [`Self::finish_cycle`] checks that the rollouts are those that it
+    /// started.
+    pub fn cycles_started(&self) -> u64 {
+        self.cycles_started
     }
 
     /// Costs of the rollouts of the last cycle.
@@ -141,48 +143,50 @@ impl Mppi {
         &self.costs[..self.options.samples.min(self.costs.len())]
     }
 
-    /// Drives the rollouts of a cycle. The state of the planner does not change before [`Self::weigh`].
-    pub fn roll(&mut self, situation: CycleInput<'_>, workers: Workers) -> Result<(), Error> {
-        finite("state.pose", &situation.pose)?;
-        finite("state.twist", &situation.twist)?;
-        if let Some(steering) = situation.steering {
+    /// Samples the rollouts of a cycle and their costs. The state of the planner does not change before
+    /// [`Self::finish_cycle`].
+    pub fn start_cycle(&mut self, input: CycleInput<'_>, workers: Workers) -> Result<(), Error> {
+        finite("state.pose", &input.pose)?;
+        finite("state.twist", &input.twist)?;
+        if let Some(steering) = input.steering {
             self.rover.check_measured("state.steering", steering)?;
         }
-        finite("path", situation.path.unwrap_or_default().as_flattened())?;
-        finite("goal", &situation.goal.unwrap_or_default())?;
-        finite("goal", situation.goal_yaw.as_slice())?;
-        if situation.path.is_some_and(|path| path.len() < 2) {
-            let got = situation.path.unwrap_or_default().len().to_string();
+        finite("path", input.path.unwrap_or_default().as_flattened())?;
+        finite("goal", &input.goal.unwrap_or_default())?;
+        finite("goal", input.goal_yaw.as_slice())?;
+        if input.path.is_some_and(|path| path.len() < 2) {
+            let got = input.path.unwrap_or_default().len().to_string();
             return Err(Error::value("path", "have two points or more", got));
         }
-        if let Some(map) = situation.costmap {
-            map.check_holds(situation.pose)?;
+        if let Some(map) = input.costmap {
+            map.check_holds(input.pose)?;
         }
-        // All motions would cost the same: the mean of the noise is no plan. Who cannot move stays wherever that is.
-        let aimless = situation.path.is_none() && situation.goal.is_none() && !situation.record;
+        // Without a goal, a path or extra costs all motions cost the same. A rover that cannot move needs no goal.
+        let aimless = input.path.is_none() && input.goal.is_none() && !input.record;
         if aimless && self.bounds.stuck.is_none() {
             let rule = "be given, or a path or an extra_cost: without one there is nowhere to go";
             return Err(Error::value("goal", rule, "none".to_owned()));
         }
-        self.rolls += 1;
-        let steering = situation.steering.unwrap_or(&self.state.steering);
-        self.situation.0 = situation.pose;
-        self.situation.1.clear();
-        self.situation.1.extend_from_slice(steering);
-        self.rover.clip_steering(&mut self.situation.1);
+        self.cycles_started += 1;
+        let steering = input.steering.unwrap_or(&self.state.steering);
+        self.start.0 = input.pose;
+        self.start.1.clear();
+        self.start.1.extend_from_slice(steering);
+        self.rover.clip_steering(&mut self.start.1);
         if self.bounds.stuck.is_some() {
             return Ok(());
         }
-        self.follow(situation.path, situation.pose);
-        self.prepare(&situation);
-        self.engine.sample_rollouts(&self.input, situation.costmap, &self.path, &self.constants, workers)?;
+        self.update_path(input.path, input.pose);
+        self.prepare(&input);
+        self.engine.sample_rollouts(&self.input, input.costmap, &self.path, &self.constants, workers)?;
         self.engine.costs(&mut self.costs);
         Ok(())
     }
 
-    /// True if the rover is as near to its goal, in place and yaw, as one standard deviation of a control moves it in a step.
+    /// True if the rover is within one standard deviation of its goal, in position and yaw: that of the displacement by
+    /// the noise of one step.
     fn is_at_goal(&self) -> bool {
-        let ([x, y, yaw], [vx, vy, omega]) = (self.situation.0, self.noise);
+        let ([x, y, yaw], [vx, vy, omega]) = (self.start.0, self.noise);
         let is_there = |[goal_x, goal_y]: [f64; 2]| (goal_x - x).hypot(goal_y - y) <= vx.hypot(vy) * self.options.dt;
         let (sin, cos) = (yaw + self.bounds.heading).sin_cos();
         let is_turned = |[goal_cos, goal_sin]: [f64; 2]| {
@@ -192,15 +196,16 @@ impl Mppi {
         self.input.goal.is_some_and(is_there) && self.input.goal_heading.is_none_or(is_turned)
     }
 
-    /// True if no rollout of the last cycle was cheaper than one collision, and its plan comes to a lethal place of this map.
+    /// True if every rollout of the last cycle costs at least one collision, and the plan reaches a lethal position of
+    /// this map.
     pub fn is_blocked(&self, map: &Costmap) -> bool {
         let is_lethal = |[x, y, _]: &[f64; 3]| map.nearest([*x, *y]) >= map.lethal().unwrap_or(f64::INFINITY);
-        self.outcome.cost >= self.options.weights.collision && self.outcome.poses.iter().any(is_lethal)
+        self.output.cost >= self.options.weights.collision && self.output.poses.iter().any(is_lethal)
     }
 
-    /// Weighs the rollouts, with costs from elsewhere added, and moves on. Fails, and stays as it was, if one of those
-    /// costs is not a number.
-    pub fn weigh(&mut self, extra: Option<&[f64]>, workers: Workers) -> Result<&CycleOutput, Error> {
+    /// Adds extra costs, weights the rollouts and updates the mean. Fails, without effect, if an extra cost is not a
+    /// number.
+    pub fn finish_cycle(&mut self, extra: Option<&[f64]>, workers: Workers) -> Result<&CycleOutput, Error> {
         let samples = self.options.samples;
         if let Some(extra) = extra {
             if extra.len() != samples {
@@ -214,7 +219,7 @@ impl Mppi {
         }
         if let Some(stuck) = self.bounds.stuck {
             self.hold_position(stuck);
-            return Ok(&self.outcome);
+            return Ok(&self.output);
         }
         for (cost, extra) in self.costs.iter_mut().zip(extra.unwrap_or_default()) {
             *cost += extra;
@@ -225,7 +230,7 @@ impl Mppi {
             let rule = "leave one rollout possible";
             return Err(Error::value("extra_cost", rule, "infinity for all".to_owned()));
         }
-        // The memory of the motions holds the weights until the mean is known.
+        // The memory of the motions is reused for the weights.
         let mut weights = std::mem::take(&mut self.motions);
         weights.clear();
         weights.extend(self.costs.iter().map(|cost| ((least - cost) / self.options.temperature).exp()));
@@ -240,11 +245,11 @@ impl Mppi {
         if self.options.smoothing {
             smooth(&mut self.mean, self.bounds.free, self.input.fixed);
         }
-        self.outcome.cost = least;
-        self.outcome.effective = sum * sum / squares;
-        self.outcome.stuck = None;
-        self.outcome.arrived = self.is_at_goal();
+        self.output.cost = least;
+        self.output.effective = sum * sum / squares;
+        self.output.stuck = None;
+        self.output.arrived = self.is_at_goal();
         self.update_mean(workers);
-        Ok(&self.outcome)
+        Ok(&self.output)
     }
 }

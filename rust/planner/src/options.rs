@@ -3,10 +3,10 @@
 use super::cost::Weights;
 use six_wheel_numerics::error::{Error, finite, not_negative, positive};
 
-/// Sizes beyond which a planner would not fit anywhere.
+/// Largest number of steps and of rollouts.
 const MOST: usize = 1 << 24;
 
-/// The kind of number rollouts are computed in.
+/// Precision of the rollouts' numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
     /// `f32`.
@@ -25,19 +25,19 @@ pub struct Options {
     pub dt: f64,
     /// Rollouts of a cycle.
     pub samples: usize,
-    /// Of the noise.
+    /// Seed of the noise.
     pub seed: u64,
     /// Standard deviation of the controls' noise [m/s, m/s, rad/s]; half the limits where there are some, if not given.
     pub noise: Option<[f64; 3]>,
-    /// Time in which the noise forgets to a share of 1/e [s].
+    /// Time in which the correlation of the noise falls to 1/e [s].
     pub correlation: f64,
-    /// Of the weights, in the costs' own unit.
+    /// Temperature of the rollouts' weights `exp(-cost / temperature)`, in units of cost.
     pub temperature: f64,
-    /// Of the costs.
+    /// Weights of the costs.
     pub weights: Weights,
     /// True if the new mean is smoothed, by a quadratic over five steps.
     pub smoothing: bool,
-    /// Dead time: commands this far ahead are on their way already [s].
+    /// Dead time from a command to its effect [s].
     pub delay: f64,
     /// Precision of the rollouts.
     pub precision: Precision,
@@ -96,7 +96,7 @@ impl Options {
         finite("footprint", self.footprint.as_flattened())
     }
 
-    /// Steps whose controls are on their way already.
+    /// Number of steps whose controls are already sent.
     pub(crate) fn fixed(&self) -> usize {
         // A command that takes effect within the first step can still be changed.
         ((self.delay / self.dt).round() as usize).min(self.horizon - 1)

@@ -6,12 +6,12 @@ use super::mppi::Mppi;
 use crate::motion::limits::RoverLimits;
 use crate::motion::steering_setpoint;
 
-/// More standard deviations than any noise has: its uniform numbers have 24 bits.
+/// Upper bound of the noise in standard deviations: with uniform numbers of 24 bits it is below this.
 const FARTHEST: f64 = 6.0;
 
 impl Mppi {
-    /// Takes the path, if it is another one, and where the rover is along it.
-    pub(crate) fn follow(&mut self, path: Option<&[[f64; 2]]>, pose: [f64; 3]) {
+    /// Sets the path, if it is another one, and the rover's arc length on it.
+    pub(crate) fn update_path(&mut self, path: Option<&[[f64; 2]]>, pose: [f64; 3]) {
         let place = [pose[0], pose[1]];
         let Some(path) = path else {
             self.input.has_path = false;
@@ -22,10 +22,10 @@ impl Mppi {
         if !same {
             self.corners.clear();
             self.corners.extend_from_slice(path);
-            self.path.follow(path);
+            self.path.set_corners(path);
         }
         self.input.has_path = !self.path.is_empty();
-        // Along the same path no further than a horizon's way, so that it may cross itself.
+        // On the same path the search is limited to the distance of one horizon, so that the path may cross itself.
         let (from, to) = if same {
             let reach = self.fastest() * self.options.dt * self.options.horizon as f64;
             (self.state.progress - reach, self.state.progress + reach)
@@ -35,7 +35,7 @@ impl Mppi {
         self.input.progress = self.path.nearest(place, from, to);
     }
 
-    /// Speed at which the origin moves at most [m/s].
+    /// Upper bound of the origin's speed [m/s].
     fn fastest(&self) -> f64 {
         let [vx, vy, _] = self.noise;
         let controls = self.state.controls.iter().map(|[x, y, _]| x.hypot(*y));
@@ -43,8 +43,8 @@ impl Mppi {
         self.bounds.limits.speed.min(free).max(0.1)
     }
 
-    /// The mean moved on by a step, and everything else rollouts start from.
-    pub(crate) fn prepare(&mut self, situation: &CycleInput<'_>) {
+    /// Writes the input of the rollouts: the mean, shifted by one step, the noise and the start.
+    pub(crate) fn prepare(&mut self, cycle: &CycleInput<'_>) {
         let (bounds, options, input) = (&self.bounds, &self.options, &mut self.input);
         let limits = &bounds.limits;
         let free = bounds.free;
@@ -72,15 +72,15 @@ impl Mppi {
         input.seed = options.seed;
         input.cycle = self.state.cycle;
         input.samples = options.samples;
-        input.start = [situation.pose[0], situation.pose[1]];
+        input.start = [cycle.pose[0], cycle.pose[1]];
         let end = self.corners.last().filter(|_| input.has_path).copied();
-        input.goal = situation.goal.or(end);
-        input.goal_heading = situation.goal_yaw.map(|yaw| {
+        input.goal = cycle.goal.or(end);
+        input.goal_heading = cycle.goal_yaw.map(|yaw| {
             let (sin, cos) = (yaw + bounds.heading).sin_cos();
             [cos, sin]
         });
-        input.record = situation.record;
-        // Stop; turn on the spot; ahead and back.
+        input.record = cycle.record;
+        // Constant controls: stop; spin to either side; forwards and backwards.
         input.constant.clear();
         input.constant.resize(free, 0.0);
         for k in [free - 1, 0] {
@@ -89,9 +89,9 @@ impl Mppi {
                 input.constant.extend((0..free).map(|j| if j == k { side * size } else { 0.0 }));
             }
         }
-        let motion = bounds.motion(situation.twist);
-        steering_setpoint::initialize(bounds, motion, &self.situation.1, &mut input.initial);
-        input.initial.heading = situation.pose[2] + bounds.heading;
+        let motion = bounds.motion(cycle.twist);
+        steering_setpoint::initialize(bounds, motion, &self.start.1, &mut input.initial);
+        input.initial.heading = cycle.pose[2] + bounds.heading;
         let aside = options.footprint.iter().any(|point| *point != [0.0; 2]);
         input.initial.headings = input.has_path || aside || input.goal_heading.is_some();
         input.initial.effort = options.weights.effort * options.dt;

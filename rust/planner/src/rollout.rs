@@ -1,4 +1,4 @@
-//! Rollouts within a rover's limits, apart from a planner: where columns lead.
+//! Rollouts of given controls within a rover's limits, without a planner.
 
 use super::kernels::SingleBlock;
 use crate::motion::drive::{RolloutStart, TRACK};
@@ -14,16 +14,16 @@ use six_wheel_numerics::threads::workers::Workers;
 /// Motion of a rover at the start of rollouts.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Present<'a> {
-    /// In body axes [m/s, m/s, rad/s].
+    /// Twist in body axes [m/s, m/s, rad/s].
     pub twist: [f64; 3],
-    /// Its steering angles [rad]; straight ahead, or as near as their ranges let them, if not given.
+    /// Steering angles [rad]; if not given, those in their ranges nearest to 0.
     pub steering: Option<&'a [f64]>,
-    /// Time for which it goes on as it does before a control has an effect [s].
+    /// Dead time from a control to its effect, during which the motion is constant [s].
     pub delay: f64,
 }
 
-/// Poses of rollouts of `count` steps each, `count + 1` rows with the start first, as a planner drives them: executed
-/// motions instead of `controls` that the rover could not make at once. A rover that cannot move stays.
+/// Poses of rollouts of `count` steps each, `count + 1` rows with the start first, with the motions that a planner
+/// executes for these controls. A rover that cannot move stays.
 #[allow(clippy::too_many_arguments)] // the rover, the columns, the present, the results
 pub fn rollout(
     rover: &Rover,
@@ -60,7 +60,7 @@ pub fn rollout(
     })
 }
 
-/// Some rollouts, whose poses are all at their starts yet.
+/// Simulates some rollouts; every row of `poses` holds the start pose on entry.
 fn drive<const M: usize>(
     bounds: &RoverLimits,
     controls: &[[f64; 3]],

@@ -22,14 +22,14 @@ use six_wheel_numerics::simd::vec3::row_times;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
 
-/// Sizes of controls up to which the kernel's squares and speeds are surely finite.
+/// Sizes of controls up to which the kernel's squares and speeds are finite.
 const LARGEST_TOTAL: f64 = 1e100;
 
-/// Largest difference of the excess over a wheel's range between rolling forwards and backwards for which the plain
-/// core decides [rad].
+/// Difference between the excesses over a wheel's range, rolling forwards and backwards, below which the scalar code
+/// decides [rad].
 const AMBIGUOUS: f64 = 1e-8;
 
-/// The worst of every rollout: one number per rollout each.
+/// Largest demands of every rollout: one number per rollout each.
 #[derive(Debug)]
 pub struct Costs<'a> {
     /// Largest wheel speed, either way round [rad/s].
@@ -43,7 +43,7 @@ pub struct Costs<'a> {
 }
 
 impl Costs<'_> {
-    /// Cut into pieces of this number of rollouts.
+    /// Splits into parts of `share` rollouts each.
     fn pieces(&mut self, share: usize) -> impl Iterator<Item = Costs<'_>> {
         let first = self.wheel_speed.chunks_mut(share);
         let pairs = first.zip(self.steering_angle.chunks_mut(share));
@@ -68,10 +68,10 @@ impl Costs<'_> {
 
 /// Poses of rollouts of `count` steps each, as [`six_wheel_kinematics::batch::integrate`], and the worst that each asks of the wheels.
 ///
-/// The controls need not be possible: a steered wheel goes as near as its range lets it, and the scrub says by
-/// how much that misses. Every step's angles are chosen from those of the step before, the first from
-/// `previous`; without it the first angles cost no steering rate. A change of angle takes as long as the step
-/// it leads to.
+/// The controls need not be possible: the angle of a steered wheel is clipped to its range, and the scrub is the speed
+/// at which it then slides. Every step's angles are chosen nearest to those of the step before, the first nearest to
+/// `previous`; without it the first angles cost no steering rate. The rate of a change of angle is over the duration of
+/// the later step.
 #[allow(clippy::too_many_arguments)] // the controls, the present, the results
 pub fn rollout_cost<'a>(
     rover: &'a Rover,
@@ -146,7 +146,7 @@ fn is_folded(part: &WheelKind) -> bool {
     }
 }
 
-/// The worst of one rollout, step by step: speed, angle, rate and scrub.
+/// Largest speed, angle, rate and scrub of one rollout, by scalar code.
 fn worst(rover: &Rover, controls: &[[f64; 3]], steps: Steps<'_>, previous: Option<&[f64]>) -> [f64; 4] {
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
     let mut held = [0.0; MAX_WHEELS];
@@ -204,7 +204,7 @@ impl Kernel for RolloutCostKernel<'_> {
                 held: [simd.splat_f64s(0.0); MAX_WHEELS],
                 counts: self.previous.is_some(),
                 worst: [zero; 4],
-                sure: Mask::splat(simd, true),
+                is_certain: Mask::splat(simd, true),
             };
             for (held, previous) in demands.held.iter_mut().zip(self.previous.unwrap_or_default()) {
                 *held = simd.splat_f64s(*previous);
@@ -213,15 +213,15 @@ impl Kernel for RolloutCostKernel<'_> {
             side_by_side(simd, self.logs, first, &mut demands);
             let mut found = [[0.0; LANES]; 5];
             let one = Lanes::splat(simd, 1.0);
-            let sure = demands.sure.select(one, zero);
+            let is_certain = demands.is_certain.select(one, zero);
             demands.worst[0] = demands.worst[0].sqrt();
-            for (found, lanes) in found.iter_mut().zip(demands.worst.into_iter().chain([sure])) {
+            for (found, lanes) in found.iter_mut().zip(demands.worst.into_iter().chain([is_certain])) {
                 lanes.store(S::as_mut_simd_f64s(found).0, 0);
             }
-            let [speed, angle, rate, scrub, sure] = found;
+            let [speed, angle, rate, scrub, is_certain] = found;
             for lane in 0..lanes {
                 let mut costs = [speed[lane], angle[lane], rate[lane], scrub[lane]];
-                if sure[lane] == 0.0 {
+                if is_certain[lane] == 0.0 {
                     let from = (first + lane) * count;
                     let controls = &self.logs.twists[from..from + count];
                     costs = worst(self.rover, controls, self.logs.steps, self.previous);
@@ -232,7 +232,7 @@ impl Kernel for RolloutCostKernel<'_> {
     }
 }
 
-/// Follows as many rollouts as there are lanes.
+/// Demands on the wheels of as many rollouts as there are lanes.
 struct WheelDemands<'p, S: Vector> {
     plan: &'p InverseConstants,
     /// Side-slip rows of the unsteered wheels.
@@ -241,10 +241,10 @@ struct WheelDemands<'p, S: Vector> {
     held: [S::f64s; MAX_WHEELS],
     /// True if the change to the next angles counts.
     counts: bool,
-    /// Square of the speed, angle, rate and scrub.
+    /// Largest square of the speed, angle, rate and scrub.
     worst: [Lanes<S>; 4],
-    /// Lanes in which the kernel decides by itself.
-    sure: Mask<S>,
+    /// Lanes in which the kernel's result is valid; the scalar code computes the others.
+    is_certain: Mask<S>,
 }
 
 impl<S: Vector> StepVisitor<S> for WheelDemands<'_, S> {
@@ -253,7 +253,7 @@ impl<S: Vector> StepVisitor<S> for WheelDemands<'_, S> {
         let mut per_dts = *dts;
         for (t, per_dt) in per_dts.iter_mut().enumerate() {
             *per_dt = Lanes::splat(simd, 1.0) / (*per_dt);
-            self.sure = self.sure & is_in_safe_range(simd, twist(simd, twists, t));
+            self.is_certain = self.is_certain & is_in_safe_range(simd, twist(simd, twists, t));
         }
         for bank in self.banks {
             let row = bank.row.into();
@@ -272,7 +272,7 @@ impl<S: Vector> StepVisitor<S> for WheelDemands<'_, S> {
                         self.worst[0] = self.worst[0].max(speed * speed);
                     }
                 }
-                // Only rovers whose wheels are all folded get here.
+                // Unreachable: this kernel is for rovers whose wheels are all folded.
                 WheelKind::Castor(_) => {}
                 WheelKind::Steered(steered) => {
                     let asked = (joint, per_radius * per_radius);
@@ -313,7 +313,7 @@ impl<S: Vector> WheelDemands<'_, S> {
         let middle = number((low + high) / 2.0);
         let [lower_end, upper_end] = steered.ends;
         let wheel = steered.broadcast(simd);
-        // Half a turn further on, counted from either end.
+        // Either end of the range, shifted by half a turn.
         let (back_to_lower, back_to_upper) = (number(low + PI), number(high - PI));
         let mut held = Lanes::load(simd, &self.held, joint);
         let [mut squares, mut angles, mut rates, mut slips] = self.worst;
@@ -328,14 +328,14 @@ impl<S: Vector> WheelDemands<'_, S> {
         for t in 0..STEPS {
             let (x, y) = (xs[t], ys[t]);
             let rests = wheel.is_at_rest(twist(simd, twists, t));
-            let wanted = steep.register(t).xor_sign(y.sign_bit()).xor_sign(x.sign_bit());
-            let mut angle = wanted.max(lower).min(upper);
-            let over = (wanted - angle).abs();
-            // Going backwards, the wheel would miss the one end or the other.
-            let (below, above) = (back_to_lower - wanted, wanted - back_to_upper);
+            let desired = steep.register(t).xor_sign(y.sign_bit()).xor_sign(x.sign_bit());
+            let mut angle = desired.max(lower).min(upper);
+            let over = (desired - angle).abs();
+            // Excess over either end, rolling backwards.
+            let (below, above) = (back_to_lower - desired, desired - back_to_upper);
             let backwards = below.min(above);
             let clear = ambiguous.lt((backwards - over).abs());
-            self.sure = self.sure & (rests | clear);
+            self.is_certain = self.is_certain & (rests | clear);
             if !SYMMETRIC {
                 let end = below.lt(above).select(lower, upper);
                 angle = backwards.lt(over).select(end, angle);

@@ -8,7 +8,7 @@ pub(crate) fn smooth(mean: &mut [f64], free: usize, fixed: usize) {
     let steps = mean.len() / free;
     for k in 0..free {
         let at = |t: usize| t.min(steps - 1) * free + k;
-        // The two values before, as they were.
+        // The two values before, unsmoothed.
         let mut before = [mean[at(fixed)]; 2];
         for t in fixed..steps {
             let now = mean[at(t)];

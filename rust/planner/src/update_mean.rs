@@ -7,21 +7,21 @@ use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS};
 use six_wheel_numerics::threads::workers::Workers;
 
 impl Mppi {
-    /// Holds its position.
+    /// Writes the output of a rover that cannot move: zero twist and speeds.
     pub(crate) fn hold_position(&mut self, stuck: ImmobileReason) {
         let steps = self.options.horizon;
-        let outcome = &mut self.outcome;
-        outcome.stuck = Some(stuck);
-        outcome.arrived = false;
-        outcome.twist = [0.0; 3];
-        outcome.steering.clone_from(&self.situation.1);
-        outcome.speeds.clear();
-        outcome.speeds.resize(self.rover.wheels().len(), 0.0);
-        outcome.twists.clear();
-        outcome.twists.resize(steps, [0.0; 3]);
-        outcome.poses.clear();
-        outcome.poses.resize(steps + 1, self.situation.0);
-        (outcome.cost, outcome.effective) = (0.0, 0.0);
+        let output = &mut self.output;
+        output.stuck = Some(stuck);
+        output.arrived = false;
+        output.twist = [0.0; 3];
+        output.steering.clone_from(&self.start.1);
+        output.speeds.clear();
+        output.speeds.resize(self.rover.wheels().len(), 0.0);
+        output.twists.clear();
+        output.twists.resize(steps, [0.0; 3]);
+        output.poses.clear();
+        output.poses.resize(steps + 1, self.start.0);
+        (output.cost, output.effective) = (0.0, 0.0);
         self.costs.clear();
         self.state.controls.fill([0.0; 3]);
         self.state.cycle = self.state.cycle.wrapping_add(1);
@@ -35,41 +35,33 @@ impl Mppi {
         for (control, mean) in self.state.controls.iter_mut().zip(self.mean.chunks_exact(free)) {
             *control = self.bounds.twist(mean);
         }
-        let outcome = &mut self.outcome;
+        let output = &mut self.output;
         let dt = self.options.dt;
-        to_world(
-            &self.bounds,
-            &self.motions,
-            &self.places,
-            self.situation.0,
-            dt,
-            &mut outcome.twists,
-            &mut outcome.poses,
-        );
+        to_world(&self.bounds, &self.motions, &self.places, self.start.0, dt, &mut output.twists, &mut output.poses);
         let first = self.input.fixed;
-        outcome.twist = outcome.twists[first];
-        outcome.steering.clone_from(&self.situation.1);
-        outcome.speeds.clear();
-        outcome.speeds.resize(self.rover.wheels().len(), 0.0);
+        output.twist = output.twists[first];
+        output.steering.clone_from(&self.start.1);
+        output.speeds.clear();
+        output.speeds.resize(self.rover.wheels().len(), 0.0);
         let moving = |twist: &&[f64; 3]| twist.iter().any(|part| *part != 0.0);
-        if let Some(next) = outcome.twists[first..].iter().find(moving) {
+        if let Some(next) = output.twists[first..].iter().find(moving) {
             let mut angles = [0.0; MAX_WHEELS];
             let mut speeds = [0.0; MAX_WHEELS];
-            let joints = outcome.steering.len();
-            let inputs = Inputs { previous: Some(&self.situation.1), ..Inputs::default() };
+            let joints = output.steering.len();
+            let inputs = Inputs { previous: Some(&self.start.1), ..Inputs::default() };
             let goes = Twist::from(*next);
-            self.rover.solve(goes, inputs, &mut angles[..joints], &mut speeds[..outcome.speeds.len()]);
-            let stands = outcome.twist.iter().all(|part| *part == 0.0);
-            // Values a little off come back no faster than the limits allow.
+            self.rover.solve(goes, inputs, &mut angles[..joints], &mut speeds[..output.speeds.len()]);
+            let stands = output.twist.iter().all(|part| *part == 0.0);
+            // Angles change by at most the steering rate times the step.
             let most = self.bounds.limits.steering_rate * dt;
-            for (to, angle) in outcome.steering.iter_mut().zip(angles) {
+            for (to, angle) in output.steering.iter_mut().zip(angles) {
                 *to += (angle - *to).clamp(-most, most);
             }
             if !stands {
-                outcome.speeds.copy_from_slice(&speeds[..self.rover.wheels().len()]);
+                output.speeds.copy_from_slice(&speeds[..self.rover.wheels().len()]);
             }
         }
-        self.state.steering.clone_from(&outcome.steering);
+        self.state.steering.clone_from(&output.steering);
         self.state.progress = self.input.progress;
         self.state.cycle = self.state.cycle.wrapping_add(1);
     }
@@ -77,7 +69,7 @@ impl Mppi {
     /// Poses and motions of a rollout that was recorded: `horizon + 1` and `horizon` rows.
     pub fn recorded(&mut self, rollout: usize, poses: &mut Vec<[f64; 3]>, twists: &mut Vec<[f64; 3]>) {
         self.engine.recorded(rollout, [&mut self.motions, &mut self.places]);
-        to_world(&self.bounds, &self.motions, &self.places, self.situation.0, self.options.dt, twists, poses);
+        to_world(&self.bounds, &self.motions, &self.places, self.start.0, self.options.dt, twists, poses);
     }
 
     /// The controls of one rollout of the last cycle, in body axes.
@@ -88,7 +80,7 @@ impl Mppi {
     }
 }
 
-/// Motions and places to twists and poses in the world.
+/// Converts motions in components and positions relative to the start to body twists and poses in the world.
 fn to_world(
     bounds: &RoverLimits,
     motions: &[f64],

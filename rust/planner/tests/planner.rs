@@ -77,8 +77,8 @@ fn cycles_after_the_first_take_no_memory() -> Result<(), Error> {
                     record,
                     ..CycleInput::default()
                 };
-                planner.roll(situation, workers)?;
-                planner.weigh(Some(&extra), workers).map(|_| ())
+                planner.start_cycle(situation, workers)?;
+                planner.finish_cycle(Some(&extra), workers).map(|_| ())
             };
             cycle(0)?;
             let before = TAKEN.load(Ordering::Relaxed);

@@ -264,14 +264,15 @@ methods! { Mppi:
         let rollouts = self.options.samples * self.options.horizon;
         let mut core = self.core.lock(py)?;
         let planner = &mut *core;
-        compute_rows(py, rollouts, &[], || planner.roll(situation, workers))?;
+        compute_rows(py, rollouts, &[], || planner.start_cycle(situation, workers))?;
         let mut extra = None;
         if let Some(function) = extra_cost {
             let (costs, locked) = self.extra_costs(py, core, function)?;
             (extra, core) = (Some(costs), locked);
         }
         let (costs, planner) = (extra.as_ref().map(Rows::flat), &mut *core);
-        let outcome = compute_rows(py, rollouts, &[self.options.samples], || planner.weigh(costs, workers).cloned())?;
+        let finish = || planner.finish_cycle(costs, workers).cloned();
+        let outcome = compute_rows(py, rollouts, &[self.options.samples], finish)?;
         let [steering, speeds] = outputs.flat();
         steering.copy_from_slice(&outcome.steering);
         speeds.copy_from_slice(&outcome.speeds);
@@ -357,12 +358,12 @@ impl Mppi {
     where
         'py: 'a,
     {
-        let rolls = core.rolls();
+        let cycles = core.cycles_started();
         let [poses, twists] = self.recorded(py, &mut core)?;
         drop(core);
         let costs = Rows::read("extra_cost", &function.call1((poses, twists))?, self.options.samples)?;
         let core = self.core.lock(py)?;
-        if core.rolls() != rolls {
+        if core.cycles_started() != cycles {
             return Err(refuse("extra_cost", "not step the planner it judges for", "another cycle"));
         }
         costs.check_leading("extra_cost", &[])?;

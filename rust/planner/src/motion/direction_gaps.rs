@@ -1,7 +1,7 @@
-//! Gaps between the directions that a rover of two components can drive in.
+//! Gaps between the directions of motion that are possible for a rover of two components.
 //!
-//! A direction is an angle whose tangent is the yaw rate times the rover's size over the speed; it and the one half a turn
-//! further on are the same motion, forwards and backwards.
+//! A direction is an angle whose tangent is the yaw rate times the rover's size over the speed; directions half a turn
+//! apart are the same motion, forwards and backwards.
 
 use std::f64::consts::PI;
 
@@ -11,7 +11,7 @@ use six_wheel_kinematics::rover::Rover;
 use six_wheel_numerics::simd::vec3::inner_product;
 
 impl RoverLimits {
-    /// Finds the gaps between possible directions, or that none is possible.
+    /// Finds the gaps between possible directions; sets `stuck` if none is possible.
     pub(super) fn directions(&mut self, rover: &Rover) {
         if self.stuck.is_some() {
             return;
@@ -23,7 +23,7 @@ impl RoverLimits {
         let size = rover.size;
         let angle = |row: &[f64]| (-row[0] * size).atan2(row[1]).rem_euclid(PI);
         let others: Vec<Vec<f64>> = rover.banks().iter().skip(1).map(|bank| self.row(bank.row.into())).collect();
-        // Further banks leave one direction at most.
+        // A further side-slip row leaves at most one direction.
         if let Some(first) = others.iter().find(|row| row.iter().any(|part| part.abs() > ROUNDING)) {
             let only = direction(angle(first), size);
             let slides = |row: &Vec<f64>| inner_product(row, &only).abs() > AT_AN_END;
@@ -49,7 +49,7 @@ impl RoverLimits {
         }
     }
 
-    /// Finds the gaps between directions whose angles are the ends of ranges, in rising order.
+    /// Finds the gaps between directions from the ends of all ranges, angles in ascending order.
     fn find_gaps(&mut self, ends: &[f64], size: f64) {
         let count = ends.len();
         let is_open = |k: usize| {
@@ -57,7 +57,7 @@ impl RoverLimits {
             self.beyond(&direction(f64::midpoint(ends[k], next), size)) <= 0.0
         };
         let open: Vec<bool> = (0..count).map(is_open).collect();
-        // An end beside something open, or possible by itself.
+        // An end next to a possible interval, or possible by itself.
         let is_allowed = |&k: &usize| {
             open[k] || open[(k + count - 1) % count] || self.beyond(&direction(ends[k], size)) <= AT_AN_END
         };
@@ -86,7 +86,7 @@ impl RoverLimits {
     }
 }
 
-/// The motion in this direction: an angle whose tangent is yaw rate times size over speed.
+/// The motion (speed, yaw rate) of this direction.
 fn direction(angle: f64, size: f64) -> [f64; 2] {
     [angle.cos(), angle.sin() / size]
 }

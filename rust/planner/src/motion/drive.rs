@@ -1,9 +1,10 @@
 //! Rollouts: from the controls of every step to the motion and the poses of a rover within its limits.
 //!
-//! The executed motion has one centre of rotation at all times, and all steered wheels point at it: nothing slides. A
-//! control is approached as far as acceleration allows; what the rover cannot do becomes the nearest it can. Where the
-//! joints cannot follow, the motion's direction goes towards the control as far as the slowest joint does. Where no
-//! continuous turn of the joints leads there (to spin on the spot, say), the rover stops, turns its wheels, and goes on.
+//! The executed motion has one centre of rotation at all times, and the axles of all steered wheels pass through it:
+//! nothing slides. A control is replaced by the nearest possible motion, and approached within the limits of
+//! acceleration. Where the joints cannot follow, the motion's direction changes towards the control as far as the
+//! slowest joint turns in a step. Where no continuous turn of the joints leads to the control (to a spin, say), the
+//! rover stops, turns its wheels, and goes on.
 
 use super::model::Model;
 use crate::numbers::BLOCK;
@@ -12,7 +13,7 @@ use six_wheel_numerics::simd::float::Float;
 use six_wheel_numerics::simd::polynomials::{horner, taylor};
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Speed of the pivots below which a motion is none [m/s].
+/// Speed of the pivots below which the rover counts as at rest [m/s].
 pub(crate) const REST: f64 = 1e-6;
 
 /// Largest half turn of a step for which the series are exact to rounding [rad].
@@ -24,10 +25,10 @@ pub(crate) const TRACK: usize = 4; // x, y, cosine and sine
 /// Initial state of all rollouts of a cycle.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RolloutStart {
-    /// The motion, and what the joints are set for.
+    /// The motion, and the motion for which the joints are aligned, in components.
     pub motion: [f64; 3],
     pub setpoint: [f64; 3],
-    /// True if the joints are set for no motion, and their angles then [rad].
+    /// True if the joints are aligned for no motion, and their angles then [rad].
     pub steering_is_free: bool,
     pub angles: Vec<f64>,
     /// Heading of the components' axes [rad].
@@ -57,23 +58,26 @@ impl RolloutStart {
 /// State of as many rollouts as there are lanes.
 #[derive(Clone, Copy)]
 pub(crate) struct State<S: Vector, R: Float, const M: usize> {
+    /// The motion, and the motion for which the joints are aligned, in components.
     pub motion: [Reg<S, R>; M],
     pub setpoint: [Reg<S, R>; M],
-    /// Time the joints still need [s]; negative where they are set for no motion yet.
+    /// Remaining time of an alignment at rest [s]; negative where the joints are aligned for no motion.
     pub busy: Reg<S, R>,
+    /// Position relative to the start [m].
     pub position: [Reg<S, R>; 2],
+    /// Cosine and sine of the heading of the components' axes.
     pub heading: [Reg<S, R>; 2],
     pub cost: Reg<S, R>,
 }
 
 impl<R: Float, const M: usize> Model<R, M> {
-    /// Number of rollouts that are driven at once.
+    /// Number of rollouts that are simulated at once.
     pub fn lane_count<S: Vector>() -> usize {
         Reg::<S, R>::lanes()
     }
 
-    /// Drives [`Self::lane_count`] rollouts from `at` on by their controls `[step][component][rollout]`, and adds to their
-    /// costs what the motion itself costs. With `record`, the motions are written there too.
+    /// Simulates [`Self::lane_count`] rollouts from `at` on by their controls `[step][component][rollout]`, and adds
+    /// the costs of effort and sliding to `costs`. With `record`, the motions are written there too.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)] // the rollouts, the controls, the results
     pub fn drive<S: Vector>(
@@ -123,19 +127,19 @@ impl<R: Float, const M: usize> Model<R, M> {
     fn step<S: Vector>(&self, simd: S, initial: &RolloutStart, state: &mut State<S, R, M>, control: [Reg<S, R>; M]) {
         let number = |value: f64| Reg::<S, R>::constant(simd, value);
         let zero = number(0.0);
-        let wanted = self.limit_acceleration(simd, state.motion, control);
-        let wanted = self.project_onto_ranges(simd, wanted);
+        let desired = self.limit_acceleration(simd, state.motion, control);
+        let desired = self.project_onto_ranges(simd, desired);
         let mut size = zero;
-        for (part, length) in wanted.iter().zip(self.lengths) {
+        for (part, length) in desired.iter().zip(self.lengths) {
             size = part.abs().mul_add(Reg::splat(simd, length), size);
         }
         let rests = size.lt(number(REST));
-        let mut motion = wanted;
+        let mut motion = desired;
         for part in &mut motion {
             *part = rests.select(zero, *part);
         }
         if let Some(per_turn) = self.per_turn {
-            motion = self.limit_steering(simd, initial, state, per_turn, wanted, motion, rests);
+            motion = self.limit_steering(simd, initial, state, per_turn, desired, motion, rests);
         }
         let mut over = largest(simd, &self.scaling, &motion);
         if let Some(lateral) = self.lateral {
@@ -158,7 +162,7 @@ impl<R: Float, const M: usize> Model<R, M> {
         }
     }
 
-    /// The motion nearest to a control on the line from the motion before that the limits of acceleration allow.
+    /// The motion nearest to a control, on the line from the motion before, that the limits of acceleration allow.
     #[inline(always)]
     fn limit_acceleration<S: Vector>(
         &self,
@@ -179,11 +183,11 @@ impl<R: Float, const M: usize> Model<R, M> {
             worst = after.lt(now).select(largest(simd, slowing, &change), worst);
         }
         let share = unit_scale(simd, worst);
-        let mut wanted = control;
+        let mut desired = control;
         for k in 0..M {
-            wanted[k] = change[k].mul_add(share, before[k]);
+            desired[k] = change[k].mul_add(share, before[k]);
         }
-        wanted
+        desired
     }
 
     /// Sideways velocity of the origin [m/s].
@@ -198,7 +202,7 @@ impl<R: Float, const M: usize> Model<R, M> {
         let half = state.motion[M - 1] * initial.smallest;
         let (mut sin, mut cos, mut sinc) = half_turn(simd, half, initial.use_short_series);
         for _ in 0..initial.angle_halvings {
-            // Of twice the angle: the cosine last, from the sine of the single one.
+            // Double-angle formulas; the cosine last, since it uses the sine of the single angle.
             sinc = sinc * cos;
             let double = (sin * sin).mul_add(Reg::constant(simd, -2.0), Reg::constant(simd, 1.0));
             sin = sin * cos * 2.0;

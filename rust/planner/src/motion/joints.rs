@@ -1,4 +1,4 @@
-//! Projection of a wanted motion onto the ranges, and onto the motions that the joints can follow.
+//! Projection of a desired motion onto the steering ranges, and onto the motions that the joints can reach in a step.
 
 use super::drive::{RolloutStart, State};
 use super::model::{Model, Wheel};
@@ -12,11 +12,11 @@ type Truth<S, R> = Mask<S, R, LOCKSTEP>;
 
 #[inline_always]
 impl<R: Float, const M: usize> Model<R, M> {
-    /// The nearest motion within the ranges.
+    /// A motion within the ranges: for two components the nearest one, else one on the line to the motion well inside.
     pub(crate) fn project_onto_ranges<S: Vector>(&self, simd: S, mut z: [Reg<S, R>; M]) -> [Reg<S, R>; M] {
         let zero = Reg::<S, R>::constant(simd, 0.0);
         for (ends, shares, per_length) in &self.gaps {
-            // Counted from the first end on, and up to the second one.
+            // Areas from the first end to the motion, and from the motion to the second end: of one sign in the gap.
             let from = area(simd, &z, ends[0]);
             let to = zero - area(simd, &z, ends[1]);
             let within = zero.lt(from * to);
@@ -60,7 +60,7 @@ impl<R: Float, const M: usize> Model<R, M> {
         z
     }
 
-    /// The motion that the joints can follow in a step, by their largest turn.
+    /// The motion that the joints can reach in a step, by their largest turn; `per_turn` is one over its tangent.
     #[allow(clippy::too_many_arguments)] // the state of a step, in registers
     pub(crate) fn limit_steering<S: Vector>(
         &self,
@@ -68,7 +68,7 @@ impl<R: Float, const M: usize> Model<R, M> {
         initial: &RolloutStart,
         state: &mut State<S, R, M>,
         per_turn: R,
-        wanted: [Reg<S, R>; M],
+        desired: [Reg<S, R>; M],
         mut motion: [Reg<S, R>; M],
         rests: Truth<S, R>,
     ) -> [Reg<S, R>; M] {
@@ -77,13 +77,13 @@ impl<R: Float, const M: usize> Model<R, M> {
         let one = number(1.0);
         let (per_turn, tiny) = (Reg::splat(simd, per_turn), number(R::TINY));
         let before = state.setpoint;
-        // Share of the setpoint before per share of the wanted one, as a fraction: one division for all joints.
+        // Ratio of the old to the desired setpoint in the new one, as a fraction: one division for all joints.
         let (mut need, mut part) = (zero, one);
         let (mut least, mut most) = (one, number(-1.0));
         let mut side = zero;
         for joint in &self.turning {
             let (ax, ay) = (times(simd, &joint.along, &before), times(simd, &joint.across, &before));
-            let (bx, by) = (times(simd, &joint.along, &wanted), times(simd, &joint.across, &wanted));
+            let (bx, by) = (times(simd, &joint.along, &desired), times(simd, &joint.across, &desired));
             let ahead = ax * bx;
             (least, most) = (least.min(ahead), most.max(ahead));
             side = ahead.sign_bit();
@@ -96,12 +96,12 @@ impl<R: Float, const M: usize> Model<R, M> {
         }
         let kept = need / part;
         let same = zero.lt(least) | most.lt(zero) | rests;
-        let mut turned = wanted;
+        let mut turned = desired;
         for k in 0..M {
-            turned[k] = before[k].xor_sign(side).mul_add(kept, wanted[k]);
+            turned[k] = before[k].xor_sign(side).mul_add(kept, desired[k]);
         }
         let low = metric_times(simd, &self.metric, &turned);
-        let share = inner(&low, &wanted).max(zero) / inner(&low, &turned).max(tiny);
+        let share = inner(&low, &desired).max(zero) / inner(&low, &turned).max(tiny);
         let late = zero.lt(kept) & !rests;
         for k in 0..M {
             motion[k] = late.select(turned[k] * share, motion[k]);
@@ -112,12 +112,12 @@ impl<R: Float, const M: usize> Model<R, M> {
         let apart = !same | busy | is_free;
         if apart.any() {
             let why = [rests, same, busy, is_free];
-            motion = self.steer_in_place(simd, initial, state, before, wanted, motion, why);
+            motion = self.steer_in_place(simd, initial, state, before, desired, motion, why);
         }
         motion
     }
 
-    /// Stops, turns the joints on the spot, and goes on.
+    /// The motion of a step of a rover that stops, turns its joints at rest, and goes on.
     #[allow(clippy::too_many_arguments)] // as above
     fn steer_in_place<S: Vector>(
         &self,
@@ -125,7 +125,7 @@ impl<R: Float, const M: usize> Model<R, M> {
         initial: &RolloutStart,
         state: &mut State<S, R, M>,
         before: [Reg<S, R>; M],
-        wanted: [Reg<S, R>; M],
+        desired: [Reg<S, R>; M],
         mut motion: [Reg<S, R>; M],
         [rests, same, busy, is_free]: [Truth<S, R>; 4],
     ) -> [Reg<S, R>; M] {
@@ -141,17 +141,17 @@ impl<R: Float, const M: usize> Model<R, M> {
         let forms = self.slowing.as_ref().unwrap_or(&self.speeding);
         let worst = largest(simd, forms, &state.motion);
         let left = if forms.is_empty() { zero } else { one - unit_scale(simd, worst) };
-        // Turning times, joint by joint.
+        // Time of the alignment, lane by lane.
         let lanes = Reg::<S, R>::lanes();
         let mut times = [R::default(); BLOCK];
         if begins.any() {
             let mut columns = [[[R::default(); BLOCK]; M]; 2];
             let mut which = [R::default(); BLOCK];
-            // Those that are set for no motion yet are where the angles say.
+            // Joints that are aligned for no motion start at the measured angles.
             begins.select(is_free.select(number(-1.0), one), zero).copy_to_slice(&mut which);
             for k in 0..M {
                 before[k].copy_to_slice(&mut columns[0][k]);
-                wanted[k].copy_to_slice(&mut columns[1][k]);
+                desired[k].copy_to_slice(&mut columns[1][k]);
             }
             for lane in 0..lanes {
                 let kind = which[lane].to_f64();
@@ -170,7 +170,7 @@ impl<R: Float, const M: usize> Model<R, M> {
         let held = busy | brakes | (is_free & !begins);
         let last = state.motion;
         for k in 0..M {
-            let turned = begins.select(wanted[k], state.setpoint[k]);
+            let turned = begins.select(desired[k], state.setpoint[k]);
             state.setpoint[k] = held.select(before[k], turned);
             let braked = brakes.select(last[k] * left, motion[k]);
             motion[k] = stays.select(zero, braked);

@@ -1,7 +1,7 @@
 //! Constants of a rover and its limits for a planner's rollouts, computed once.
 //!
-//! Motions are counted in the components that the fixed wheels leave: along their rolling direction and turning, or all
-//! three where no wheel is fixed.
+//! Motions are expressed in the components that fixed wheels allow: the speed along their rolling direction and the yaw
+//! rate, or all three of the twist where no wheel is fixed.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -16,22 +16,23 @@ use six_wheel_kinematics::wheels::Pivot;
 use six_wheel_numerics::error::{Error, short};
 use six_wheel_numerics::simd::vec3::inner_product;
 
-/// Ends of ranges this near to a quarter turn are none [rad].
+/// Ranges whose ends are this near to a quarter turn are unrestricted [rad].
 const WHOLE: f64 = 1e-9;
-/// Overshoot of a direction that is at an end, as a share.
+/// Relative excess over a range up to which a direction counts as at its end.
 pub(super) const AT_AN_END: f64 = 1e-9;
 
-/// A gap between the directions a rover of two components can drive in: its ends, and what leads to them.
+/// A gap between the possible directions of a rover of two components: its ends, and the projections onto them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DirectionGap {
+    /// Motions at both ends.
     pub ends: [[f64; 2]; 2],
-    /// Row of each end: times a motion, the share of the end that is nearest to it.
+    /// Row of each end, whose product with a motion is the factor of the end in the motion's projection onto it.
     pub shares: [[f64; 2]; 2],
     /// One over the length of each end [s/m].
     pub per_length: [f64; 2],
 }
 
-/// Reason for which a rover stays in place.
+/// Reason why a rover cannot move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImmobileReason {
     /// No motion lets all its wheels roll.
@@ -47,12 +48,13 @@ pub(crate) struct RoverLimits {
     pub free: usize,
     /// Body twist from components, row after row.
     pub body: Vec<[f64; 3]>,
-    /// The components' axes against the body's [rad], and the sideways velocity of the origin per yaw rate [m].
+    /// Angle of the components' axes against the body's [rad], and the sideways velocity of the origin per yaw rate
+    /// [m].
     pub heading: f64,
     pub sideways: f64,
-    /// Lengths that make the components speeds.
+    /// Lengths [m, or 1 for speeds] whose products with the components are speeds [m/s].
     pub lengths: Vec<f64>,
-    /// Mean over the pivots of their squared speed.
+    /// Mean over the pivots of their squared speed [m²/s²].
     pub metric: Form,
     pub joints: Vec<SteeredJoint>,
     pub gaps: Vec<DirectionGap>,
@@ -87,7 +89,7 @@ impl RoverLimits {
         Ok(bounds)
     }
 
-    /// The components, and what only they decide.
+    /// The components, and the constants that follow from them alone.
     fn components(rover: &Rover, limits: Limits) -> Self {
         let (mut heading, mut sideways) = (0.0, 0.0);
         let body = match rover.banks().first() {
@@ -152,7 +154,7 @@ impl RoverLimits {
             let rim = match *mount {
                 Mount::Fixed(rows) => {
                     if wheel.pivot == Pivot::Fixed && wheel.roller_angle.is_none() {
-                        // Its own row: that of its mount is the mean over its like.
+                        // The wheel's own row: that of its mount is the mean over parallel wheels.
                         let own = wheel.rows(Direction::from(wheel.heading)).side_slip;
                         let slip = self.row(own.into());
                         if slip.iter().any(|part| part.abs() > ROUNDING) {
@@ -216,7 +218,7 @@ impl RoverLimits {
         self.joints.iter().filter(|joint| joint.half < FRAC_PI_2 - WHOLE)
     }
 
-    /// A motion as far inside every range as there is among the simple ones.
+    /// Of the axes and diagonals of the components, the motion farthest inside every range.
     pub(super) fn find_inside(&mut self) {
         if self.narrow_joints().next().is_none() {
             return;
@@ -245,7 +247,7 @@ impl RoverLimits {
         }
     }
 
-    /// The components of a body twist, as many as there are, the rest of it left out.
+    /// The components of a body twist; parts that no component represents are left out.
     pub fn motion(&self, twist: [f64; 3]) -> [f64; 3] {
         if self.free == 3 {
             return twist;
@@ -260,9 +262,9 @@ impl RoverLimits {
         parts.map(|(part, length)| part.abs() * length).sum()
     }
 
-    /// A bound of the yaw rate of what motions of that size become [rad/s].
+    /// A bound of the yaw rate of executed motions, for controls of this size [m/s] [rad/s].
     pub fn turns_at_most(&self, size: f64) -> f64 {
-        // As if all of it were turning about the centre.
+        // The largest yaw rate at this size is that of a pure rotation about the centre.
         let fastest = 2.0 * size / self.lengths[self.free - 1];
         fastest.min(self.limits.yaw_rate)
     }

@@ -1,4 +1,4 @@
-//! A rover and its limits in one precision, as the lanes take them.
+//! A rover and its limits in one precision, the constants of the kernels.
 
 use super::limits::{DirectionGap, RoverLimits};
 use super::steered_joint::SteeredJoint;
@@ -17,7 +17,7 @@ impl<R: Float, const M: usize> Wheel<R, M> {
     }
 }
 
-/// Range of a joint, and the distance of the motion inside from its ends.
+/// Range of a joint, and the margin of the motion `inside` from its ends.
 pub(crate) struct Range<R, const M: usize> {
     pub wheel: Wheel<R, M>,
     pub sin: R,
@@ -29,20 +29,20 @@ pub(crate) struct Range<R, const M: usize> {
 /// A gap as its ends, their shares and one over their lengths: see [`DirectionGap`].
 pub(crate) type Ends<R> = ([[R; 2]; 2], [[R; 2]; 2], [R; 2]);
 
-/// The way out of what is impossible where no wheel is fixed.
+/// The motion towards which impossible motions are moved where no wheel is fixed, and the ranges that decide.
 pub(crate) struct ProjectionDirection<R, const M: usize> {
     pub inside: [R; M],
     pub ranges: Vec<Range<R, M>>,
 }
 
-/// A rover for rollouts of one kind of number.
+/// A rover in one precision.
 pub(crate) struct Model<R, const M: usize> {
     joints: Vec<Wheel<R, M>>,
-    /// Those whose angles differ in size: a wheel and its mirror image need the same time.
+    /// The joints with different sizes of angle: a wheel and its mirror image need the same time.
     pub(crate) turning: Vec<Wheel<R, M>>,
     /// Middle of the range of every joint [rad].
     middles: Vec<f64>,
-    /// One over the tangent of a joint's largest turn in a step; nothing where joints turn at once.
+    /// One over the tangent of a joint's largest turn in a step; None if joints turn in no time.
     pub(crate) per_turn: Option<R>,
     pub(crate) gaps: Vec<Ends<R>>,
     pub(crate) projection: Option<ProjectionDirection<R, M>>,
@@ -127,7 +127,7 @@ impl<R: Float, const M: usize> Model<R, M> {
         }
     }
 
-    /// Time the joints take from one setpoint to another [s].
+    /// Time in which the joints turn from one setpoint, or from the angles `start` [rad], to another setpoint [s].
     pub fn steering_time(&self, from: [R; M], start: Option<&[f64]>, to: [R; M]) -> f64 {
         let steering_angle = |joint: &Wheel<R, M>, motion: [R; M]| {
             let part = |row: &[R; M]| row.iter().zip(motion).map(|(a, b)| a.to_f64() * b.to_f64()).sum::<f64>();
@@ -141,14 +141,14 @@ impl<R: Float, const M: usize> Model<R, M> {
                 None => steering_angle(joint, from),
             };
             let turn = (steering_angle(joint, to) - now).abs();
-            // A pivot that rests turns nowhere.
+            // The wheel of a pivot at rest does not turn.
             worst = if turn > worst { turn } else { worst };
         }
         turning_time(worst, self.rate, self.acceleration)
     }
 }
 
-/// The joints, without those that turn as an earlier one does, or as its mirror image.
+/// The joints, without those that have the same angles as an earlier one or the mirrored ones.
 fn distinct_joints(joints: &[SteeredJoint]) -> impl Iterator<Item = &SteeredJoint> {
     let alike = |a: &[f64], b: &[f64]| {
         let pairs = || a.iter().zip(b);

@@ -7,34 +7,34 @@ use super::limits::RoverLimits;
 use crate::numbers::squares::square;
 use six_wheel_numerics::simd::vec3::inner_product;
 
-/// Angles by which joints may miss a motion and still be set for it [rad].
+/// Largest error of steering angles that count as aligned for a motion [rad].
 const ALIGNED: f64 = 0.02;
-/// Share of the largest slip below which a motion has none.
+/// Share of the largest squared slip below which a motion counts as free of slip.
 const NONE: f64 = 1e-12;
 
-/// Initial motion and steering setpoint of a cycle: the measured motion; the motion the steering angles are set for, if
-/// there is one; the angles themselves if the rover stands and there is none.
+/// Sets the initial motion and steering setpoint of a cycle: the measured motion; the motion for which the steering
+/// angles are aligned, if there is one; if there is none and the rover stands, the angles themselves.
 pub(crate) fn initialize(bounds: &RoverLimits, motion: [f64; 3], steering: &[f64], to: &mut RolloutStart) {
     (to.motion, to.setpoint, to.steering_is_free) = (motion, motion, false);
     if bounds.joints.is_empty() || bounds.limits.steering_rate.is_infinite() {
         return;
     }
     let speed = square(&bounds.metric, &motion[..bounds.free]).max(0.0).sqrt();
-    if let Some(setpoint) = set_for(bounds, motion, steering) {
+    if let Some(setpoint) = aligned_motion(bounds, motion, steering) {
         to.setpoint = setpoint;
     } else if speed < REST {
         to.steering_is_free = true;
         to.angles.clear();
         to.angles.extend_from_slice(steering);
-        // Any will do: it is not looked at.
+        // An arbitrary value: it is not used while the steering is free.
         to.setpoint[0] = 1.0;
     }
 }
 
-/// The motion all joints are set for, that next to the present one if there are several.
-fn set_for(bounds: &RoverLimits, motion: [f64; 3], steering: &[f64]) -> Option<[f64; 3]> {
+/// The motion for which all joints are aligned; of several the one nearest to the present motion.
+fn aligned_motion(bounds: &RoverLimits, motion: [f64; 3], steering: &[f64]) -> Option<[f64; 3]> {
     let free = bounds.free;
-    // In lengths, so that all components count alike.
+    // Components times lengths: all are speeds.
     let lengths = Vector3::from_fn(|k, _| bounds.lengths.get(k).copied().unwrap_or(1.0));
     let mut slips = Matrix3::zeros();
     for (joint, angle) in bounds.joints.iter().zip(steering) {
@@ -45,7 +45,7 @@ fn set_for(bounds: &RoverLimits, motion: [f64; 3], steering: &[f64]) -> Option<[
     }
     let most = slips.trace();
     if free == 2 {
-        // A missing motion is the worst of all.
+        // The missing third component has the largest eigenvalue, so it is never the least.
         slips[(2, 2)] = 2.0 * most + 1.0;
     }
     let parts = slips.symmetric_eigen();
@@ -65,7 +65,7 @@ fn set_for(bounds: &RoverLimits, motion: [f64; 3], steering: &[f64]) -> Option<[
     let size = square(&bounds.metric, moved).max(0.0).sqrt();
     let fits = bounds.joints.iter().zip(steering).all(|(joint, angle)| {
         let (along, across) = (inner_product(&joint.along, moved), inner_product(&joint.across, moved));
-        // A pivot that rests points anywhere.
+        // The direction of a pivot at rest is arbitrary.
         let rests = along.hypot(across) < REST * size;
         rests || ((across / along).atan() - (angle - joint.middle)).abs() <= ALIGNED
     });

@@ -1,4 +1,4 @@
-//! Numbers of rollouts: sums of squares, noise.
+//! Arithmetic of rollouts: quadratic forms, and noise.
 
 pub(crate) mod noise;
 #[allow(clippy::needless_range_loop)] // components of several motions side by side

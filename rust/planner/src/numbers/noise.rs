@@ -1,5 +1,5 @@
-//! Normal noise from a counter: what a rollout gets at a step depends on the seed, the cycle, its number and the step
-//! alone, so neither on who else is at work nor on the level.
+//! Normal noise of a counter-based generator: the noise of a rollout at a step is a function of the seed, the cycle,
+//! the number of the rollout and the step alone, so it does not depend on threads or on the level.
 //!
 //! Source: J. Salmon et al., Parallel random numbers: as easy as 1, 2, 3, SC 2011 (Philox4x32-7, which passes BigCrush);
 //! G. Box & M. Muller, A note on the generation of random normal deviates, Ann. Math. Stat. 29(2), 1958.
@@ -10,7 +10,7 @@ use crate::numbers::BLOCK;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::{horner, taylor};
 
-/// Rounds of the generator: the fewest that pass.
+/// Rounds of the generator: the fewest that pass BigCrush.
 pub(crate) const ROUNDS: u32 = 7;
 const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
@@ -31,7 +31,7 @@ const LN: [f64; 9] = [
 const SIN: [f64; 5] = taylor(1);
 const COS: [f64; 6] = taylor(0);
 
-/// PhiloxCounter of the random numbers of one block.
+/// Counter of the random numbers of one block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PhiloxCounter {
     pub seed: u64,

@@ -1,13 +1,13 @@
 //! Squares and products of motions, register by register.
 //!
-//! Loops instead of closures: those are compiled for themselves first, without the level's instructions.
+//! Loops instead of closures: closures are compiled separately, without the level's instructions.
 
 use six_wheel_numerics::simd::float::Float;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::vec3::cross2;
 use six_wheel_numerics::simd::vector::Vector;
 
-/// Registers that are driven in lockstep: a step is a long chain of results that wait for each other.
+/// Registers that are simulated in lockstep, to hide the latency of a step, a long chain of dependent operations.
 pub(crate) const LOCKSTEP: usize = 2;
 
 pub(crate) type Reg<S, R> = Lanes<S, R, LOCKSTEP>;
@@ -31,19 +31,19 @@ pub(crate) fn splat<S: Vector, R: Float, const M: usize>(simd: S, motion: &[f64;
     parts
 }
 
-/// Area between an end of a gap and a motion.
+/// Cross product of an end of a gap and a motion: the signed area between them.
 #[inline(always)]
 pub(crate) fn area<S: Vector, R: Float, const M: usize>(simd: S, z: &[Reg<S, R>; M], end: [R; 2]) -> Reg<S, R> {
     cross2([Reg::splat(simd, end[0]), Reg::splat(simd, end[1])], [z[0], z[1]])
 }
 
-/// Share of an end in the motion nearest to it.
+/// Factor of an end in a motion's projection onto it, by its row of [`crate::motion::limits::DirectionGap::shares`].
 #[inline(always)]
 pub(crate) fn share<S: Vector, R: Float, const M: usize>(simd: S, z: &[Reg<S, R>; M], row: [R; 2]) -> Reg<S, R> {
     z[1].mul_add(Reg::splat(simd, row[1]), z[0] * Reg::splat(simd, row[0]))
 }
 
-/// The value of a form.
+/// The value of a quadratic form at a motion.
 #[inline(always)]
 pub(crate) fn value<S: Vector, R: Float, const M: usize>(simd: S, form: &[R; 6], z: &[Reg<S, R>; M]) -> Reg<S, R> {
     let mut k = 0;
@@ -60,7 +60,7 @@ pub(crate) fn value<S: Vector, R: Float, const M: usize>(simd: S, form: &[R; 6],
     sum
 }
 
-/// The largest of some forms.
+/// The largest value of some quadratic forms at a motion.
 #[inline(always)]
 pub(crate) fn largest<S: Vector, R: Float, const M: usize>(simd: S, forms: &[[R; 6]], z: &[Reg<S, R>; M]) -> Reg<S, R> {
     let mut worst = Reg::constant(simd, 0.0);
@@ -70,7 +70,7 @@ pub(crate) fn largest<S: Vector, R: Float, const M: usize>(simd: S, forms: &[[R;
     worst
 }
 
-/// The metric's product with a motion: its product with another one is half the mixed form.
+/// The product `Q z` of a quadratic form's symmetric matrix `Q` with a motion `z`.
 #[inline(always)]
 pub(crate) fn metric_times<S: Vector, R: Float, const M: usize>(
     simd: S,
@@ -96,8 +96,8 @@ pub(crate) fn metric_times<S: Vector, R: Float, const M: usize>(
     low
 }
 
-/// A limit counts as met if `norm^2 < 1 + 1e-12`: a rover that brakes by whole steps arrives at rest, whichever way the
-/// last digits were rounded.
+/// A limit counts as met if `norm^2 < 1 + 1e-12`: a rover that brakes by whole steps comes to rest in spite of
+/// rounding.
 const CLOSE: f64 = 1e-12;
 
 /// Scale `1 / max(1, norm)` of a motion with this squared norm.

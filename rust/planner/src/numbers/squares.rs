@@ -1,13 +1,13 @@
-//! Squares as functions of a motion, and which of several are ever the largest.
+//! Quadratic forms of a motion, and the subset of them that can be the largest.
 
 use nalgebra::DMatrix;
 
-/// Share of a form below which it is rounding.
+/// Share of a form below which a value counts as rounding.
 pub(crate) const ROUNDING: f64 = 1e-12;
-/// Forms whose pairs are not looked at any more.
+/// Number of forms above which pairs are not compared.
 const MANY: usize = 16;
 
-/// A square as a function of a motion: coefficients of the products of components, `00 01 02 11 12 22`.
+/// A quadratic form of a motion: coefficients of the products of components, `00 01 02 11 12 22`.
 pub(crate) type Form = Vec<f64>;
 
 /// The product of two rows as a form.
@@ -51,7 +51,8 @@ pub(crate) fn square(form: &[f64], motion: &[f64]) -> f64 {
     sum
 }
 
-/// Without those that are nowhere larger than another one, or than the mean of two: the larger of these is as large.
+/// The forms without those that are nowhere larger than another one or than the mean of two others: they are never the
+/// largest.
 pub(crate) fn needed(forms: Vec<Form>, n: usize) -> Vec<Form> {
     let mut kept: Vec<Form> = Vec::new();
     let covers = |large: &Form, small: &Form| {
