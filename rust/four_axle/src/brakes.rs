@@ -3,9 +3,9 @@
 /// The brake on the pivots of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Brake {
-    /// The angles of the pair stay.
+    /// The angles of the pair are fixed.
     Locked,
-    /// The wheels turn the axles.
+    /// The axles turn by the motion of their wheels.
     Free,
 }
 
@@ -49,7 +49,7 @@ pub struct Brakes {
 }
 
 impl Brakes {
-    /// Nothing turns on its pivot.
+    /// Both pairs locked.
     pub const LOCKED: Self = Self { front: Brake::Locked, rear: Brake::Locked };
 
     /// The brake of a pair.

@@ -7,17 +7,16 @@ use six_wheel_kinematics::geometry::{Pose, Twist};
 use six_wheel_numerics::error::{Error, ErrorKind, finite, not_negative, number, positive};
 use six_wheel_numerics::threads::workers::{BETWEEN_CHECKS, IsInterrupted};
 
-/// A step is halved until halving changes nothing by more than this [rad, m]; well above the rounding of the
-/// velocities, and a thousandth of what the laws of this room are tested to.
+/// Steps are halved until the result changes by less than this [rad, m]: well above the rounding of the velocities.
 const SETTLED: f64 = 1e-12;
 
-/// Halvings after which a motion does not count as smooth.
+/// Halvings after which a step fails: the motion is not smooth.
 const HALVINGS: usize = 24;
 
-/// Change of an angle that is the rounding of its rate [rad].
+/// Change of an angle below which the fixed point of a step has converged [rad].
 const ROUNDING: f64 = 1e-14;
 
-/// Rounds of the fixed point of one step; each gains a factor of about rate times step.
+/// Rounds of the fixed point of one step; each reduces the error by a factor of about rate times step.
 const ROUNDS: usize = 40;
 
 /// Most samples of one simulation.
@@ -26,13 +25,13 @@ const MOST_SAMPLES: f64 = 1e7;
 /// A simulated drive: one row per sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Track {
-    /// Since the beginning [s].
+    /// Time since the start [s].
     pub times: Vec<f64>,
-    /// `world_from_body`.
+    /// Poses x, y, yaw, `world_from_body` [m, m, rad].
     pub poses: Vec<[f64; 3]>,
     /// Axle angles [rad].
     pub angles: Vec<Axles>,
-    /// Twists of the body at the end of the step that leads to the sample.
+    /// Twists of the body at the end of the step that leads to the sample [m/s, m/s, rad/s].
     pub twists: Vec<[f64; 3]>,
     /// Speeds of all wheels, the following ones included [rad/s].
     pub speeds: Vec<Axles>,
@@ -43,7 +42,7 @@ pub struct Track {
 }
 
 impl Track {
-    /// With memory for this number of samples.
+    /// An empty track with memory for this number of samples.
     fn with_room(samples: usize) -> Result<Self, Error> {
         let mut track = Self::default();
         let reserved = [
@@ -94,7 +93,7 @@ pub(super) fn gauss() -> Gauss {
     }
 }
 
-/// Inputs that stay the same throughout a step.
+/// Inputs that are constant during a step.
 #[derive(Clone, Copy)]
 struct FixedInputs<'a> {
     speeds: &'a Drives,
@@ -102,10 +101,10 @@ struct FixedInputs<'a> {
 }
 
 impl FourAxle {
-    /// Drives a sequence of steps, sampled at least every `dt` [s]; the state afterwards comes with it.
+    /// Simulates a sequence of steps, sampled at least every `dt` [s]. Returns the track and the final state.
     ///
-    /// Only brakes, durations and speeds of the steps count. A brake that may not change fails with the
-    /// step's row. `is_interrupted` is asked between samples.
+    /// Of the steps only brakes, durations and speeds are used. Fails with the step's row where a brake may not change.
+    /// `is_interrupted` is called between samples.
     pub fn simulate(
         &self,
         start: State,
@@ -173,17 +172,17 @@ impl FourAxle {
             let pose = state.pose.compose(motion.twist.exp(dt));
             return Ok(State { pose, ..state });
         }
-        // Decided once: the stages of a step need not share a point to the last digit.
+        // Decided once per step: at its stages the axle lines share a point only up to rounding.
         let lasting = self.must_last(&state.angles, state.brakes, speeds);
         let held = FixedInputs { speeds, lasting };
-        // From the origin: far from it, rounding would pass for a motion that is not smooth.
+        // Relative to the pose at the start: far from the origin, rounding of the position would exceed the tolerance.
         let here = State { pose: Pose::default(), ..state };
         let whole = self.collocate(here, held, dt)?;
         let end = self.refine(here, whole, held, dt, HALVINGS)?;
         Ok(State { pose: state.pose.compose(end.pose), ..end })
     }
 
-    /// Halves a step until the halves agree with the whole.
+    /// The state after a step, which is halved until both halves agree with the whole.
     fn refine(
         &self,
         state: State,
@@ -212,10 +211,10 @@ impl FourAxle {
         self.refine(middle, second, held, dt / 2.0, left - 1)
     }
 
-    /// One step of Gauss collocation; nothing if its fixed point is not found.
+    /// One step of Gauss collocation; None if its fixed point does not converge.
     ///
-    /// The rates depend on the angles alone: those are solved for first, yaw and position follow by summing
-    /// up.
+    /// The rates are functions of the angles alone: the angles are solved for first, yaw and position follow by
+    /// quadrature.
     fn collocate(&self, state: State, held: FixedInputs<'_>, dt: f64) -> Result<Option<State>, Error> {
         let Gauss { weights, inner, .. } = gauss();
         let rates = |angles: &Axles| self.velocities(angles, state.brakes, held.speeds, held.lasting);

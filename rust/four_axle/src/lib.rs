@@ -1,22 +1,22 @@
 //! Four axles on lockable pivots: four-wheel steering, dual differential drive and their hybrid.
 //!
-//! Each axle hangs on a pivot at `(±h_x, ±h_y)` and carries a wheel at its outer end: a steered [`Wheel`]
-//! whose contact lies an axle's length beside its pivot. All else follows from the wheel equation. A brake
-//! locks the two pivots of a pair; a free pivot has no motor, the wheels turn it:
+//! Each axle turns about a pivot at `(±h_x, ±h_y)` and carries a wheel at its outer end: a steered [`Wheel`]
+//! whose scrub radius is the length of the axle. All equations follow from the wheel equation. A brake
+//! locks the two pivots of a pair; a free pivot has no motor and turns by the wheels:
 //! `steering_rate = (e . u - rim_speed) / scrub - omega`, which is the rolling row solved for the rate.
 //!
-//! The side-slip rows know no steering rate, so they bind free axles as well as locked ones: a robot in
-//! motion has all four axle lines through one point, always. With pivots on the centre line a pair is one
-//! rigid axle, hence one line, and any two angles will do. With pivots beside it the two lines of a locked
-//! pair meet in one point and hold the centre of rotation there, unless they are the same line.
+//! The side-slip rows do not contain the steering rates, so they hold for free axles as well as for locked ones: all
+//! four axle lines of a robot in motion pass through one point. With pivots on the centre line a pair is one rigid
+//! axle, hence one line, and the lines of two pairs intersect at any two angles. With pivots beside it the two lines of
+//! a locked pair intersect in one point, the centre of rotation, unless they are the same line.
 
 #[macro_use]
 extern crate six_wheel_numerics;
 
 mod brakes;
 mod flow;
-mod glide;
 mod handover;
+mod pivot_transition;
 mod plan;
 mod state;
 
@@ -36,32 +36,38 @@ pub use flow::Track;
 pub use plan::{Pace, Sequence, Steer};
 pub use state::{Axles, Drives, Mobility, Motion, State, Step};
 
-/// Side slip per distance driven up to which axles count as concurrent, unless the caller knows better: what
-/// pivot encoders of 13 bits, 0.8 mrad apart, leave open.
+/// Default of the side slip per distance driven up to which axle lines count as concurrent: the resolution of pivot
+/// encoders of 13 bits, 0.8 mrad.
 pub const LOCK_TOLERANCE: f64 = 1e-3;
 
 /// Singular values below this share of the largest are zero.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// Components of a unit motion that are rounding.
+/// Components of a unit motion below which they count as rounding.
 const VANISHED: f64 = 1e-14;
 
-/// The vehicle: immutable, checked once.
+/// The vehicle: immutable, checked when it is constructed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FourAxle {
+    /// Half the distance of the pivots along and across the body [m].
     pivots: [f64; 2],
+    /// Distance from pivot to wheel [m].
     axle_length: f64,
+    /// Radius of the wheels [m].
     wheel_radius: f64,
+    /// Angles an axle can take [rad].
     steering: SteeringRange,
+    /// Side slip per distance driven up to which axle lines count as concurrent.
     tolerance: f64,
+    /// The vehicle with all pivots commanded.
     rover: Rover,
 }
 
 impl FourAxle {
     /// Axles of `axle_length` on pivots at `(±pivots[0], ±pivots[1])` [m].
     ///
-    /// Hinges on the centre line (`pivots[1] = 0`) carry one rigid axle per pair. `tolerance` is the side
-    /// slip per distance driven up to which axles count as concurrent.
+    /// Pivots on the centre line (`pivots[1] = 0`) carry one rigid axle per pair. `tolerance` is the side
+    /// slip per distance driven up to which axle lines count as concurrent.
     pub fn new(
         pivots: [f64; 2],
         axle_length: f64,
@@ -96,12 +102,12 @@ impl FourAxle {
         self.pivots
     }
 
-    /// Hinge to wheel [m].
+    /// Distance from pivot to wheel [m].
     pub fn axle_length(&self) -> f64 {
         self.axle_length
     }
 
-    /// Hub to ground [m].
+    /// Radius of the wheels [m].
     pub fn wheel_radius(&self) -> f64 {
         self.wheel_radius
     }
@@ -111,17 +117,17 @@ impl FourAxle {
         self.steering
     }
 
-    /// Side slip per distance driven up to which axles count as concurrent.
+    /// Side slip per distance driven up to which axle lines count as concurrent.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// The same vehicle with all pivots locked where one commands them.
+    /// The vehicle as a rover with four steered wheels: all pivots commanded.
     pub fn rover(&self) -> &Rover {
         &self.rover
     }
 
-    /// True if a pair is one axle, its wheels always in line.
+    /// True if each pair is one rigid axle.
     pub fn is_rigid(&self) -> bool {
         self.pivots[1] == 0.0
     }
@@ -144,9 +150,9 @@ impl FourAxle {
         Ok(())
     }
 
-    /// Axle angles under which the robot turns about a point [m], and nothing slips.
+    /// Axle angles at which the robot turns about a point [m] without slip [rad].
     ///
-    /// A point at infinity along one axis is the straight line across it.
+    /// A point at infinity along one axis means straight motion along the other axis.
     pub fn concurrent_angles(&self, icr: [f64; 2]) -> Result<Axles, Error> {
         self.aim(turn_about(icr)?, &[0.0; 4]).map_err(|error| Error {
             argument: "icr".into(),
@@ -155,7 +161,7 @@ impl FourAxle {
         })
     }
 
-    /// Angles at which all axles allow a twist, near the previous ones.
+    /// Angles at which all axles allow a twist, those nearest to the previous ones [rad].
     fn aim(&self, twist: Twist, previous: &Axles) -> Result<Axles, Error> {
         let (mut angles, mut speeds) = ([0.0; 4], [0.0; 4]);
         let inputs = Inputs { previous: Some(previous), ..Inputs::default() };
@@ -168,7 +174,8 @@ impl FourAxle {
         std::array::from_fn(|i| wheels[i].rows(Direction::from(angles[i])))
     }
 
-    /// A row for `(vx, vy, omega * size)`: every unit vector moves the pivots at 1 m/s (root mean square).
+    /// A row for the scaled twist `(vx, vy, omega * size)`, whose length is the root mean square speed of the pivots
+    /// [m/s].
     fn scaled(&self, row: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(row.x, row.y, row.z / self.rover.size)
     }
@@ -178,7 +185,7 @@ impl FourAxle {
         Matrix4x3::from_fn(|i, k| self.scaled(&rows[i].side_slip)[k])
     }
 
-    /// A unit motion as a twist, turned forwards: of vx, omega, vy the first that is there is positive.
+    /// A scaled twist as a twist, with the sign for which the first non-zero one of vx, omega, vy is positive.
     fn unit(&self, scaled: Vector3<f64>) -> Twist {
         let snapped = scaled.map(|value| if value.abs() <= VANISHED { 0.0 } else { value });
         let lead = [snapped.x, snapped.z, snapped.y].into_iter().find(|value| *value != 0.0);
@@ -194,14 +201,14 @@ impl FourAxle {
     /// Mobility of the robot with all axles at these angles.
     pub fn mobility(&self, angles: &Axles) -> Result<Mobility, Error> {
         self.check_angles(angles)?;
-        Ok(self.judge(angles))
+        Ok(self.mobility_unchecked(angles))
     }
 
-    fn judge(&self, angles: &Axles) -> Mobility {
+    fn mobility_unchecked(&self, angles: &Axles) -> Mobility {
         let rows = self.rows(angles);
         let plain = Matrix4x3::from_fn(|i, k| rows[i].side_slip[k]);
         let found = Jacobi::new(&self.side_slip(angles));
-        // Four wheels: a root mean square is half the length.
+        // Root mean square over four wheels: half the length.
         let slips = found.values / 2.0;
         let rank = slips.iter().filter(|slip| **slip > self.tolerance).count();
         Mobility {
@@ -215,9 +222,8 @@ impl FourAxle {
 
     /// Velocities of body and free pivots at these wheel speeds, by least squares over both rows of every wheel.
     ///
-    /// While one pair is locked and its drives follow, the rows may leave the speed open at which axles
-    /// on two pivots go along. Then the motion is the one that lasts, under which the axle lines go on to share a
-    /// point.
+    /// While one pair is locked and its drives follow, the rows may leave the speed of the body undetermined. Then
+    /// the motion is the one under which the axle lines continue to share a point.
     pub fn forward(&self, angles: &Axles, brakes: Brakes, speeds: &Drives) -> Result<Motion, Error> {
         self.check_angles(angles)?;
         self.check_speeds(speeds)?;
@@ -252,14 +258,15 @@ impl FourAxle {
         (columns, count)
     }
 
-    /// True if the drives that follow leave the speed open, and the motion has to be the one that lasts.
+    /// True if the drives that follow leave the speed undetermined: then the axle lines have to continue to share a
+    /// point.
     fn must_last(&self, angles: &Axles, brakes: Brakes, speeds: &Drives) -> bool {
-        brakes.front != brakes.rear && speeds.contains(&None) && self.judge(angles).degree() == 1
+        brakes.front != brakes.rear && speeds.contains(&None) && self.mobility_unchecked(angles).degree() == 1
     }
 
     /// The wheel equation of all wheels, solved for body and free pivots.
     ///
-    /// With `lasting`, the axle lines count as sharing a point, and the pivots turn so that they go on to:
+    /// With `lasting`, the axle lines count as sharing a point, and the pivots turn so that they continue to:
     /// the time derivative of `n . u = 0` at every pivot, `n . du/dt = (e . u) steering_rate`, has a solution
     /// for the acceleration.
     fn velocities(&self, angles: &Axles, brakes: Brakes, speeds: &Drives, lasting: bool) -> Result<Motion, Error> {
@@ -267,14 +274,14 @@ impl FourAxle {
         let rows = self.rows(angles);
         let (columns, count) = self.columns(brakes);
         let mut side_slip = self.side_slip(angles);
-        // Unknowns as speeds: the twist scaled, pivot rates times the axle length. Unused rows and columns
-        // stay empty.
+        // Unknowns as speeds [m/s]: the scaled twist, and pivot rates times the axle length. Unused rows and columns
+        // are 0.
         let mut matrix = SMatrix::<f64, 12, 7>::zeros();
-        let mut wanted = SVector::<f64, 12>::zeros();
+        let mut right = SVector::<f64, 12>::zeros();
         if lasting {
             let (shared, left) = sharing(&side_slip);
             side_slip = shared;
-            let motion = Vector3::from(self.judge(angles).least());
+            let motion = Vector3::from(self.mobility_unchecked(angles).least());
             for (i, column) in columns.iter().enumerate() {
                 if let Some(column) = *column {
                     let mut view = matrix.fixed_view_mut::<4, 1>(8, column);
@@ -287,7 +294,7 @@ impl FourAxle {
             if let Some(speed) = speeds[i] {
                 let rolling = self.scaled(&rows[i].rolling).transpose();
                 matrix.fixed_view_mut::<1, 3>(4 + i, 0).copy_from(&rolling);
-                wanted[4 + i] = wheels[i].radius * speed;
+                right[4 + i] = wheels[i].radius * speed;
                 if let Some(column) = columns[i] {
                     matrix[(4 + i, column)] = -wheels[i].scrub / self.axle_length;
                 }
@@ -299,7 +306,7 @@ impl FourAxle {
         if rank < count {
             return Err(undetermined(speeds, rank, count));
         }
-        let found = system.solve(&wanted, least);
+        let found = system.solve(&right, least);
         let twist = Vector3::new(found[0], found[1], found[2] / self.rover.size);
         let pivot_rates = columns.map(|column| column.map_or(0.0, |c| found[c] / self.axle_length));
         let mut motion = Motion { twist: Twist::from(twist), pivot_rates, speeds: [0.0; 4], residual: [0.0; 4], rank };
@@ -312,13 +319,13 @@ impl FourAxle {
         Ok(motion)
     }
 
-    /// Speed of a pivot along its wheel's heading [m/s]: the rolling row without the axle's length.
+    /// Speed of a pivot along its wheel's heading [m/s]: the rolling row without the scrub radius.
     fn along(&self, i: usize, rows: &[Rows; 4], twist: &Vector3<f64>) -> f64 {
         rows[i].rolling.dot(twist) + self.rover.wheels()[i].scrub * twist.z
     }
 }
 
-/// Singular values of the side-slip rows of a pair, and the motions that belong to them.
+/// Singular values and right singular vectors of the side-slip rows of a pair.
 fn pair_motions(side_slip: &Matrix4x3<f64>, pair: Pair) -> Jacobi<2, 3> {
     Jacobi::new(&SMatrix::from_rows(&pair.axles().map(|axle| side_slip.row(axle).into_owned())))
 }
@@ -335,7 +342,7 @@ fn sharing(side_slip: &Matrix4x3<f64>) -> (Matrix4x3<f64>, Matrix4<f64>) {
     (side_slip - last, left)
 }
 
-/// The twist that turns about a point, of moderate size wherever the point is.
+/// A twist that turns about a point, scaled so that it neither overflows nor underflows.
 fn turn_about(icr: [f64; 2]) -> Result<Twist, Error> {
     let refused = |rule: &str| Err(Error::value("icr", rule, numbers(&icr)));
     let [x, y] = icr;

@@ -1,30 +1,30 @@
-//! Sequences of steps from one turn to another: the order in which pairs are freed, and the wheel speeds that turn
+//! Sequences of steps from one curve to another: the order in which pairs are freed, and the wheel speeds that turn
 //! them.
 //!
-//! Driving on is possible where the axle lines share a point throughout. With one pair locked that point
-//! stays on the lines of the locked axles: on a line if they are in line (a rigid axle always is, those on two
-//! pivots at angle 0), else where they meet. In the first case the centre of rotation moves along that
-//! line, and the wheels of the free pair make it move; in the second nothing can turn but standing axles.
+//! A pair can turn in motion where the axle lines share a point throughout. With one pair locked that point lies on the
+//! lines of the locked axles: on one line if they are in line (a rigid axle always is, axles on two pivots at angle 0),
+//! else at their intersection. In the first case the wheels of the free pair move the centre of rotation along that
+//! line; in the second the other pair can turn at rest only.
 
 use nalgebra::Vector3;
 
-use super::glide::PivotTransition;
+use super::pivot_transition::PivotTransition;
 use super::{Axles, Brake, Brakes, Drives, FourAxle, Pair, State, Step};
 use six_wheel_kinematics::admissible::SLIP_TOLERANCE;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_numerics::error::{Error, finite, not_negative, number, numbers, positive};
 
-/// Angles nearer to each other than this are one [rad].
+/// Difference below which angles count as equal [rad].
 const SAME_ANGLE: f64 = 1e-12;
 
 /// The axles that turn for a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Steer {
-    /// Front and rear against each other: the centre of rotation lies abreast of the body's origin.
+    /// Front and rear by opposite angles: the centre of rotation lies on the body's y axis.
     Both,
-    /// The front axles alone: it lies abreast of the rear pivots.
+    /// The front axles alone: it lies on the line through the rear pivots.
     Front,
-    /// The rear axles alone: it lies abreast of the front pivots.
+    /// The rear axles alone: it lies on the line through the front pivots.
     Rear,
 }
 
@@ -33,9 +33,9 @@ named_values! { Steer as "steer": "both" => Both, "front" => Front, "rear" => Re
 /// Speeds of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
-    /// Root mean square speed of the pivots at the begin [m/s]; 0 to re-aim standing.
+    /// Root mean square speed of the pivots at the start [m/s]; 0 to turn the axles at rest.
     pub speed: f64,
-    /// Rate of the faster axle where the pair turns slowest [rad/s].
+    /// Rate of the faster axle of a pair at the point of its turn where that rate is least [rad/s].
     pub pivot_rate: f64,
     /// Time with both pairs locked after locking one [s].
     pub brake_time: f64,
@@ -52,15 +52,15 @@ impl Pace {
 /// Steps from one turn to another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sequence {
-    /// In order; each was checked at the angles where it begins.
+    /// Steps in order; each is possible at the angles at its start.
     pub steps: Vec<Step>,
-    /// True if the robot has to stand in between.
+    /// True if the robot has to stop in between.
     pub stops: bool,
     /// Reason of a stop or a detour; empty without either.
     pub reason: String,
 }
 
-/// A sequence that grows by one step at a time.
+/// A sequence under construction: its steps, and the state and twist at their end.
 struct SequenceBuilder<'a> {
     car: &'a FourAxle,
     state: State,
@@ -69,7 +69,7 @@ struct SequenceBuilder<'a> {
 }
 
 impl FourAxle {
-    /// Re-aims the axles for a curve [1/m]; 0 is straight ahead.
+    /// Sequence that turns the axles for a curvature [1/m]; 0 is straight ahead.
     pub fn turn_sequence(&self, start: State, curvature: f64, steer: Steer, pace: Pace) -> Result<Sequence, Error> {
         finite("curvature", &[curvature])?;
         let abreast = match steer {
@@ -84,14 +84,14 @@ impl FourAxle {
         self.plan(start, goal, pace)
     }
 
-    /// Re-aims the axles at a point [m], standing if need be: (0, 0) to spin in place.
+    /// Sequence that turns the axles for a centre of rotation [m], at rest where necessary: (0, 0) to spin in place.
     pub fn aim_sequence(&self, start: State, icr: [f64; 2], pace: Pace) -> Result<Sequence, Error> {
         let named = |error: Error| Error { argument: "icr".into(), value: numbers(&icr), ..error };
         let goal = self.aim(super::turn_about(icr)?, &start.angles).map_err(named)?;
         self.plan(start, goal, pace)
     }
 
-    /// Drives on with both pairs locked, at a root mean square speed of the pivots [m/s], for a time [s].
+    /// Step with both pairs locked, at a root mean square speed of the pivots [m/s], for a time [s].
     pub fn drive(&self, start: State, speed: f64, duration: f64) -> Result<Step, Error> {
         finite("speed", &[speed])?;
         positive("duration", duration)?;
@@ -104,7 +104,7 @@ impl FourAxle {
         }
         let twist = times(mobility.least(), speed);
         let mut draft = SequenceBuilder { car: self, state: start, twist, steps: Vec::new() };
-        draft.go_on("drive", brakes, duration)?;
+        draft.keep_twist("drive", brakes, duration)?;
         draft.steps.pop().ok_or_else(|| Error::value("duration", "make a step", number(duration)))
     }
 
@@ -143,9 +143,10 @@ impl FourAxle {
         Ok(Sequence { steps: self.standing(start, goal, pace)?, stops: true, reason })
     }
 
-    /// Six steps for every leg: free, turn, lock the one pair, then the other. Pairs that stay are left out.
+    /// Steps in motion: for every leg, free, turn and lock one pair, then the other. Pairs that keep their angles are
+    /// left out.
     fn under_way(&self, start: State, legs: &[Axles], first: Pair, pace: Pace) -> Result<Vec<Step>, String> {
-        let mobility = self.judge(&start.angles);
+        let mobility = self.mobility_unchecked(&start.angles);
         if mobility.degree() != 1 || mobility.slip > SLIP_TOLERANCE {
             return Err("the axle lines do not share one point to begin with".into());
         }
@@ -156,15 +157,15 @@ impl FourAxle {
                 if !differ(&draft.state.angles, leg, pair) {
                     continue;
                 }
-                let glide = self.glide(draft.state.angles, draft.twist, pair, leg, pace.pivot_rate)?;
-                draft.turn(pair, leg, &glide, pace).map_err(|error| error.to_string())?;
+                let transition = self.pivot_transition(draft.state.angles, draft.twist, pair, leg, pace.pivot_rate)?;
+                draft.turn(pair, leg, &transition, pace).map_err(|error| error.to_string())?;
             }
         }
         Ok(draft.steps)
     }
 
-    /// Stop, turn one axle pair about its pivots while the other pair and its wheels hold the body, then the
-    /// other.
+    /// Steps with a stop: turn one pair about its pivots at rest while the other pair and its wheels hold the body,
+    /// then the other.
     fn standing(&self, start: State, goal: Axles, pace: Pace) -> Result<Vec<Step>, Error> {
         let mut draft = SequenceBuilder { car: self, state: start, twist: Twist::ZERO, steps: Vec::new() };
         draft.set("stop", start.brakes)?;
@@ -173,8 +174,8 @@ impl FourAxle {
         for pair in &turning {
             let free = draft.state.brakes.with(*pair, Brake::Free);
             if *pair == Pair::Front && turning.len() == 2 {
-                // Handing over: where both pairs locked would be frozen, both free are held by their own
-                // axles.
+                // Change of the free pair. Where both pairs may not be locked the axle lines share no point: both may
+                // be free.
                 let locked = draft.state.brakes.with(Pair::Rear, Brake::Locked);
                 if self.lock(&draft.state.angles, draft.state.brakes, Pair::Rear).is_ok() {
                     draft.set("lock rear", locked)?;
@@ -186,7 +187,7 @@ impl FourAxle {
             } else {
                 draft.set(&format!("free {}", pair.name()), free)?;
             }
-            draft.swing(*pair, &goal, pace.pivot_rate)?;
+            draft.turn_at_rest(*pair, &goal, pace.pivot_rate)?;
         }
         if let Some(pair) = turning.last() {
             draft.set(&format!("lock {}", pair.name()), Brakes::LOCKED)?;
@@ -196,13 +197,13 @@ impl FourAxle {
 }
 
 impl SequenceBuilder<'_> {
-    /// Changes brakes, in no time.
+    /// Appends a step of duration 0 that changes brakes.
     fn set(&mut self, action: &str, brakes: Brakes) -> Result<(), Error> {
-        self.go_on(action, brakes, 0.0)
+        self.keep_twist(action, brakes, 0.0)
     }
 
-    /// Sets brakes and goes on as before.
-    fn go_on(&mut self, action: &str, brakes: Brakes, duration: f64) -> Result<(), Error> {
+    /// Appends a step that sets brakes and keeps the twist.
+    fn keep_twist(&mut self, action: &str, brakes: Brakes, duration: f64) -> Result<(), Error> {
         let rows = self.car.rows(&self.state.angles);
         let wheels = self.car.rover().wheels();
         let twist = Vector3::from(self.twist);
@@ -219,20 +220,20 @@ impl SequenceBuilder<'_> {
         self.steps.push(Step { action: action.into(), duration, brakes: self.state.brakes, speeds, end: self.state });
     }
 
-    /// Frees a pair, lets its wheels turn it under way, and locks it.
-    fn turn(&mut self, pair: Pair, goal: &Axles, glide: &PivotTransition, pace: Pace) -> Result<(), Error> {
+    /// Appends the steps that free a pair, turn it by its wheels in motion, and lock it.
+    fn turn(&mut self, pair: Pair, goal: &Axles, transition: &PivotTransition, pace: Pace) -> Result<(), Error> {
         let free = self.state.brakes.with(pair, Brake::Free);
         self.set(&format!("free {}", pair.name()), free)?;
-        self.state = self.car.advance(self.state, &glide.speeds, glide.duration)?;
+        self.state = self.car.advance(self.state, &transition.speeds, transition.duration)?;
         self.arrive(pair, goal);
-        self.record(&format!("turn {}", pair.name()), glide.duration, glide.speeds);
-        self.twist = glide.twist;
+        self.record(&format!("turn {}", pair.name()), transition.duration, transition.speeds);
+        self.twist = transition.twist;
         let locked = free.with(pair, Brake::Locked);
-        self.go_on(&format!("lock {}", pair.name()), locked, pace.brake_time)
+        self.keep_twist(&format!("lock {}", pair.name()), locked, pace.brake_time)
     }
 
-    /// Turns the free pair about its pivots while the robot stands.
-    fn swing(&mut self, pair: Pair, goal: &Axles, rate: f64) -> Result<(), Error> {
+    /// Appends a step that turns the free pair about its pivots while the robot is at rest.
+    fn turn_at_rest(&mut self, pair: Pair, goal: &Axles, rate: f64) -> Result<(), Error> {
         let wheels = self.car.rover().wheels();
         let way = |i: usize| goal[i] - self.state.angles[i];
         let longest = pair.axles().map(|i| way(i).abs()).into_iter().fold(0.0, f64::max);
@@ -246,7 +247,7 @@ impl SequenceBuilder<'_> {
         Ok(())
     }
 
-    /// Replaces integrated angles by the ones they stand for.
+    /// Replaces the integrated angles of a pair by those of the goal.
     fn arrive(&mut self, pair: Pair, goal: &Axles) {
         for i in pair.axles() {
             self.state.angles[i] = goal[i];

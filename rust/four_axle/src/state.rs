@@ -6,10 +6,10 @@ use six_wheel_kinematics::geometry::{Pose, Twist};
 /// One number per axle: front left, front right, rear left, rear right.
 pub type Axles = [f64; 4];
 
-/// Wheel speeds [rad/s]; `None` where the drive follows, turning as the ground makes it turn.
+/// Wheel speeds [rad/s]; `None` where the drive follows: the wheel turns freely by the motion of the robot.
 pub type Drives = [Option<f64>; 4];
 
-/// All that changes while the robot drives; by default straight ahead at the origin, both pairs locked.
+/// State of a robot; by default straight ahead at the origin, both pairs locked.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// Headings of the wheels in the body [rad].
@@ -27,9 +27,9 @@ pub struct Step {
     pub action: String,
     /// Duration [s]; 0 for a brake alone.
     pub duration: f64,
-    /// Set at its beginning.
+    /// Brakes, set at its start.
     pub brakes: Brakes,
-    /// Wheel speeds, held throughout.
+    /// Constant wheel speeds [rad/s].
     pub speeds: Drives,
     /// State at its end.
     pub end: State,
@@ -42,16 +42,16 @@ pub struct Mobility {
     pub rank: usize,
     /// Singular values of those rows, in the units of the rows, descending.
     pub singular_values: [f64; 3],
-    /// Orthonormal motions, the free ones last: the pivots move at 1 m/s (root mean square).
+    /// Right singular vectors as twists, the free ones last: each moves the pivots at 1 m/s (root mean square).
     pub(crate) motions: [Twist; 3],
     /// Side slip of the least slipping motion per distance driven, both root mean square over the wheels.
     pub slip: f64,
-    /// Slip to spare: tolerance less slip.
+    /// Tolerance less slip.
     pub margin: f64,
 }
 
 impl Mobility {
-    /// Number of independent motions left: 3 - rank.
+    /// Number of independent motions without slip: 3 - rank.
     pub fn degree(&self) -> usize {
         3 - self.rank
     }
@@ -78,6 +78,6 @@ pub struct Motion {
     pub speeds: Axles,
     /// Speed at which each contact slides [m/s].
     pub residual: Axles,
-    /// Independent directions of body and free pivots that the wheels determine: all.
+    /// Number of unknowns of body and free pivots, all of which the wheels determine.
     pub rank: usize,
 }

@@ -1,8 +1,8 @@
-//! Turns of a free pair by its wheels while the robot drives on.
+//! Turns of a free pair by its wheels in motion.
 //!
-//! With the locked pair in line, the centre of rotation can move along that line. The wheels of the free pair
-//! turn at constant speeds, those of the locked pair follow: constant speeds of its wheels would hold the
-//! centre where it is.
+//! With the axles of the locked pair in line, the centre of rotation can move along that line. The wheels of the free
+//! pair turn at constant speeds; the drives of the locked pair follow, since constant speeds of its wheels would fix
+//! the centre.
 
 use nalgebra::Vector3;
 
@@ -12,14 +12,15 @@ use six_wheel_kinematics::admissible::SLIP_TOLERANCE;
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_numerics::error::number;
 
-/// Share of the asked pivot rate, and of the speed, that has to be left at every point of a turn under way.
+/// Least pivot rate and least speed at every point of a turn in motion, as shares of the desired ones.
 const LEAST_SHARE: f64 = 0.1;
 
-/// Relative accuracy of durations, and largest number of panels to get there.
+/// Relative accuracy of durations, and largest number of panels of their quadrature.
 const DURATION_ACCURACY: f64 = 1e-14;
 const PANELS: usize = 4096;
 
-/// Constant wheel speeds that turn the free pair from one angle to another under way, and the twist at the end.
+/// Constant wheel speeds that turn the free pair from one angle to another in motion, the duration [s], and the twist
+/// at the end.
 pub(super) struct PivotTransition {
     pub speeds: Drives,
     pub duration: f64,
@@ -27,8 +28,8 @@ pub(super) struct PivotTransition {
 }
 
 impl FourAxle {
-    /// Constant wheel speeds of one pair that turn it to its goal under way, the other pair rolling along.
-    pub(super) fn glide(
+    /// Constant wheel speeds of one pair that turn it to its goal in motion, while the drives of the other pair follow.
+    pub(super) fn pivot_transition(
         &self,
         start: Axles,
         twist: Twist,
@@ -52,16 +53,16 @@ impl FourAxle {
         Err(last)
     }
 
-    /// Hinge speed of a motion along a unit twist [m/s].
-    fn scaled_dot(&self, way: &Vector3<f64>, twist: Twist) -> f64 {
+    /// Component of a twist along a direction in twist space, as a root mean square speed of the pivots [m/s].
+    fn scaled_dot(&self, direction: &Vector3<f64>, twist: Twist) -> f64 {
         let size = self.rover().size;
-        let length = self.pivot_speed(Twist::from(*way));
-        (way.x * twist.vx + way.y * twist.vy + way.z * twist.omega * size * size) / length
+        let length = self.pivot_speed(Twist::from(*direction));
+        (direction.x * twist.vx + direction.y * twist.vy + direction.z * twist.omega * size * size) / length
     }
 }
 
-/// The way of the centre of rotation along the line of the locked axles: twists between two, in a straight
-/// line.
+/// Path of the centre of rotation along the line of the locked axles: twists on a straight line between two, by a share
+/// from 0 to 1.
 struct Path<'a> {
     car: &'a FourAxle,
     pair: Pair,
@@ -86,7 +87,7 @@ impl<'a> Path<'a> {
                  lines meet"
             ));
         }
-        let mobility = car.judge(&end);
+        let mobility = car.mobility_unchecked(&end);
         if mobility.degree() != 1 || mobility.slip > SLIP_TOLERANCE {
             return Err(format!(
                 "the {} axles would have no point in common with the {other} ones as they are",
@@ -106,7 +107,7 @@ impl<'a> Path<'a> {
         self.from * (1.0 - at) + self.to * at
     }
 
-    /// Axle angles on the way: the headings follow the velocities of their pivots.
+    /// Axle angles at a share of the path [rad]: the headings follow the velocities of their pivots.
     fn angles(&self, at: f64) -> Axles {
         let rows = self.car.rows(&self.start);
         let twist = self.twist(at);
@@ -123,7 +124,7 @@ impl<'a> Path<'a> {
     fn leads_to(&self, end: &Axles) -> bool {
         let rows = self.car.rows(&self.start);
         let reached = self.angles(1.0);
-        // A locked pair must not be asked to roll backwards on the way, a pivot not to stand.
+        // The wheels of the locked pair must not change their sense of rotation, and no pivot may come to rest.
         let rolls_on = (0..4).all(|i| {
             let along = |twist| self.car.along(i, &rows, twist);
             let turning = self.pair.axles().contains(&i);
@@ -144,7 +145,7 @@ impl<'a> Path<'a> {
         (angles, slopes)
     }
 
-    /// Wheel speeds of the free pair that give this pivot speed and this rate of the faster axle.
+    /// Wheel speeds of the free pair [rad/s] for this pivot speed [m/s] and this rate of the faster axle [rad/s].
     fn wheel_speeds(&self, at: f64, speed: f64, rate: f64) -> Drives {
         let (angles, slopes) = self.slopes(at);
         let rows = self.car.rows(&angles);
@@ -163,7 +164,7 @@ impl<'a> Path<'a> {
 
     /// Duration of the turn with these wheel speeds [s], and the twist at its end.
     ///
-    /// The rates depend on the place alone, so the time is an integral over the way: no event to search for.
+    /// The rates are functions of the share alone, so the duration is an integral over the share.
     fn duration(&self, speeds: &Drives, speed: f64, rate: f64) -> Result<(f64, Twist), String> {
         let mut duration = f64::INFINITY;
         let mut panels = 8;
@@ -188,7 +189,7 @@ impl<'a> Path<'a> {
         Ok((duration, twist))
     }
 
-    /// Share of the way per second, and the twist, with the wheels at these speeds.
+    /// Share of the path per second [1/s], and the twist, at these wheel speeds.
     fn progress(&self, at: f64, speeds: &Drives, speed: f64, rate: f64) -> Result<(f64, Twist), String> {
         let (angles, slopes) = self.slopes(at);
         let motion = self.car.velocities(&angles, self.brakes, speeds, true).map_err(|error| error.to_string())?;
