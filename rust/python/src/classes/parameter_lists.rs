@@ -44,141 +44,82 @@ macro_rules! listed {
 macro_rules! with_end {
     (([$($class:ident)?] $prefix:tt $name:ident $head:tt [$shown:tt] $result:tt $body:tt) $all:tt * *) => {
         with_parameters! {
-            [call (concat!($(stringify!($class), ".",)? stringify!($name))) $shown []]
-            ([$($class)?] $prefix $name $head [$shown] $result $body) [] [] [] $all
+            (
+                [call (concat!($(stringify!($class), ".",)? stringify!($name))) $shown []]
+                ([$($class)?] $prefix $name $head [$shown] $result $body) [] [] []
+            )
+            $all
         }
     };
-    ($made:tt $all:tt) => { with_parameters! { [] $made [] [] [] $all } };
+    ($made:tt $all:tt) => { with_parameters! { ([] $made [] [] []) $all } };
     ($made:tt $all:tt $first:tt $($rest:tt)*) => { with_end! { $made $all $($rest)* } };
 }
 
-/// Reads a list of parameters from the left: the signature of pyo3, the parameters of Rust and, where keywords are
-/// checked, what has no default with the line that reads it grow by one at every step.
+/// Reads a list of parameters from the left. What was read stands in front, in parentheses: the check of keywords, the
+/// function, the signature of pyo3, the parameters of Rust and, where keywords are checked, what has no default with the
+/// lines that read it.
 macro_rules! with_parameters {
-    ($checked:tt $made:tt $signature:tt $typed:tt $required:tt [$($parameters:tt)+]) => {
-        with_parameters! { $checked $made $signature $typed $required $($parameters)+ }
-    };
-    (
+    ($read:tt [$($parameters:tt)+]) => { with_parameters! { $read $($parameters)+ } };
+    ((
         [$call:ident $path:tt $shown:tt [$($excess:ident)?]] ($class:tt $prefix:tt $name:tt $head:tt $text:tt $result:tt [$($body:tt)*])
-        [$($signature:tt)*] [$($typed:tt)*] [$(($required:ident $($line:tt)*))*] * *
-    ) => {
+        [$($signature:tt)*] [$($typed:tt)*] [$(($required:ident $($line:tt)*))*]
+    ) * *) => {
         with_parameters! {
-            [] ($class $prefix $name $head $text $result [
-                let $call = crate::fastcall::keywords::Call { name: $path, signature: $shown };
-                $call.check(unknown, &[$($excess)?], &[$((stringify!($required), &$required)),*])?;
-                $($($line)*)* $($body)*
-            ])
-            [$($signature)* **unknown,] [$($typed)* unknown: Option<&Bound<'py, pyo3::types::PyDict>>,] [] []
+            (
+                [] ($class $prefix $name $head $text $result [
+                    let $call = crate::fastcall::keywords::Call { name: $path, signature: $shown };
+                    $call.check(unknown, &[$($excess)?], &[$((stringify!($required), &$required)),*])?;
+                    $($($line)*)* $($body)*
+                ])
+                [$($signature)* **unknown,] [$($typed)* unknown: Option<&Bound<'py, pyo3::types::PyDict>>,] []
+            )
+            []
         }
     };
-    ([$call:tt $path:tt $shown:tt []] $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt * $(, $($rest:tt)*)?) => {
+    (([$call:tt $path:tt $shown:tt []] $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt) * $(, $($rest:tt)*)?) => {
         with_parameters! {
-            [$call $path $shown [excess]] $made [$($signature)* *excess,]
-            [$($typed)* excess: &Bound<'py, pyo3::types::PyTuple>,] $required [$($($rest)*)?]
-        }
-    };
-    ($checked:tt $made:tt [$($signature:tt)*] $typed:tt $required:tt * $(, $($rest:tt)*)?) => {
-        with_parameters! { $checked $made [$($signature)* *,] $typed $required [$($($rest)*)?] }
-    };
-    ($checked:tt $made:tt [$($signature:tt)*] $typed:tt $required:tt / $(, $($rest:tt)*)?) => {
-        with_parameters! { $checked $made [$($signature)* /,] $typed $required [$($($rest)*)?] }
-    };
-    ($checked:tt $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt * * $name:ident $(, $($rest:tt)*)?) => {
-        with_parameters! {
-            $checked $made [$($signature)* **$name,] [$($typed)* $name: Option<&Bound<'py, pyo3::types::PyDict>>,]
-            $required [$($($rest)*)?]
-        }
-    };
-    ($checked:tt $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt * $name:ident $(, $($rest:tt)*)?) => {
-        with_parameters! {
-            $checked $made [$($signature)* *$name,] [$($typed)* $name: &Bound<'py, pyo3::types::PyTuple>,]
-            $required [$($($rest)*)?]
-        }
-    };
-    ($checked:tt $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt $name:ident = None $(, $($rest:tt)*)?) => {
-        with_parameters! {
-            $checked $made [$($signature)* $name=None,] [$($typed)* $name: Option<&Bound<'py, PyAny>>,]
-            $required [$($($rest)*)?]
-        }
-    };
-    (
-        $checked:tt $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt
-        $name:ident: native $type:ty = $default:tt $(, $($rest:tt)*)?
-    ) => {
-        with_parameters! {
-            $checked $made [$($signature)* $name = $default,] [$($typed)* $name: $type,] $required [$($($rest)*)?]
-        }
-    };
-    (
-        [$call:tt $path:tt $shown:tt $excess:tt] $made:tt [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*]
-        $name:ident: native $type:ty $(, $($rest:tt)*)?
-    ) => {
-        with_parameters! {
-            [$call $path $shown $excess] $made [$($signature)* $name = crate::fastcall::keywords::Given(None),]
-            [$($typed)* $name: crate::fastcall::keywords::Given<'py>,]
-            [
-                $($required)*
-                ($name let $name: $type = $call.required(stringify!($name), &$name)?.extract()?;)
-            ]
+            (
+                [$call $path $shown [excess]] $made [$($signature)* *excess,]
+                [$($typed)* excess: &Bound<'py, pyo3::types::PyTuple>,] $required
+            )
             [$($($rest)*)?]
         }
     };
-    (
-        [] $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt
-        $name:ident: native $type:ty $(, $($rest:tt)*)?
-    ) => {
-        with_parameters! { [] $made [$($signature)* $name,] [$($typed)* $name: $type,] $required [$($($rest)*)?] }
+    ($read:tt * $(, $($rest:tt)*)?) => { add_parameter! { $read (*,) () [$($($rest)*)?] } };
+    ($read:tt / $(, $($rest:tt)*)?) => { add_parameter! { $read (/,) () [$($($rest)*)?] } };
+    ($read:tt * * $name:ident $(, $($rest:tt)*)?) => {
+        add_parameter! { $read (**$name,) ($name: Option<&Bound<'py, pyo3::types::PyDict>>,) [$($($rest)*)?] }
     };
-    (
-        $checked:tt $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt
-        $name:ident: $type:ty = $default:tt $(, $($rest:tt)*)?
-    ) => {
-        with_parameters! {
-            $checked $made [$($signature)* $name = $default,]
-            [$($typed)* #[pyo3(from_py_with = crate::arguments::$name)] $name: $type,] $required [$($($rest)*)?]
+    ($read:tt * $name:ident $(, $($rest:tt)*)?) => {
+        add_parameter! { $read (*$name,) ($name: &Bound<'py, pyo3::types::PyTuple>,) [$($($rest)*)?] }
+    };
+    ($read:tt $name:ident = None $(, $($rest:tt)*)?) => {
+        add_parameter! { $read ($name=None,) ($name: Option<&Bound<'py, PyAny>>,) [$($($rest)*)?] }
+    };
+    ($read:tt $name:ident: native $type:ty = $default:tt $(, $($rest:tt)*)?) => {
+        add_parameter! { $read ($name = $default,) ($name: $type,) [$($($rest)*)?] }
+    };
+    ($read:tt $name:ident: native $type:ty $(, $($rest:tt)*)?) => {
+        add_required! { $read $name ($name: $type,) (let $name: $type = $name.extract()?;) [$($($rest)*)?] }
+    };
+    ($read:tt $name:ident: $type:ty = $default:tt $(, $($rest:tt)*)?) => {
+        add_parameter! {
+            $read ($name = $default,) (#[pyo3(from_py_with = crate::arguments::$name)] $name: $type,) [$($($rest)*)?]
         }
     };
-    (
-        [$call:tt $path:tt $shown:tt $excess:tt] $made:tt [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*]
-        $name:ident: $type:ty $(, $($rest:tt)*)?
-    ) => {
-        with_parameters! {
-            [$call $path $shown $excess] $made [$($signature)* $name = crate::fastcall::keywords::Given(None),]
-            [$($typed)* $name: crate::fastcall::keywords::Given<'py>,]
-            [
-                $($required)*
-                ($name let $name: $type = crate::arguments::$name($call.required(stringify!($name), &$name)?)?;)
-            ]
-            [$($($rest)*)?]
+    ($read:tt $name:ident: $type:ty $(, $($rest:tt)*)?) => {
+        add_required! {
+            $read $name (#[pyo3(from_py_with = crate::arguments::$name)] $name: $type,)
+            (let $name: $type = crate::arguments::$name($name)?;) [$($($rest)*)?]
         }
     };
-    (
-        [] $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt
-        $name:ident: $type:ty $(, $($rest:tt)*)?
-    ) => {
-        with_parameters! {
-            [] $made [$($signature)* $name,]
-            [$($typed)* #[pyo3(from_py_with = crate::arguments::$name)] $name: $type,] $required [$($($rest)*)?]
-        }
+    ($read:tt $name:ident $(, $($rest:tt)*)?) => {
+        add_required! { $read $name ($name: &Bound<'py, PyAny>,) () [$($($rest)*)?] }
     };
-    (
-        [$call:tt $path:tt $shown:tt $excess:tt] $made:tt [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*]
-        $name:ident $(, $($rest:tt)*)?
-    ) => {
-        with_parameters! {
-            [$call $path $shown $excess] $made [$($signature)* $name = crate::fastcall::keywords::Given(None),]
-            [$($typed)* $name: crate::fastcall::keywords::Given<'py>,]
-            [$($required)* ($name let $name = $call.required(stringify!($name), &$name)?;)]
-            [$($($rest)*)?]
-        }
-    };
-    ([] $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt $name:ident $(, $($rest:tt)*)?) => {
-        with_parameters! { [] $made [$($signature)* $name,] [$($typed)* $name: &Bound<'py, PyAny>,] $required [$($($rest)*)?] }
-    };
-    (
+    ((
         [] ([$class:ident] [$($prefix:tt)*] $name:ident [$($($head:tt)+)?] [$($shown:tt)?] [$result:ty] [$($body:tt)*])
-        [$($signature:tt)*] [$($typed:tt)*] [] []
-    ) => {
+        [$($signature:tt)*] [$($typed:tt)*] []
+    ) []) => {
         #[pymethods]
         impl $class {
             #[pyo3(signature = ($($signature)*) $(, text_signature = $shown)?)]
@@ -187,13 +128,40 @@ macro_rules! with_parameters {
             fn $name<'py>($($($head)+,)? $($typed)*) -> $result { $($body)* }
         }
     };
-    (
+    ((
         [] ([] [$($attribute:tt)*] $name:ident [$($head:tt)*] [$($shown:tt)?] [$result:ty] [$($body:tt)*])
-        [$($signature:tt)*] [$($typed:tt)*] [] []
-    ) => {
+        [$($signature:tt)*] [$($typed:tt)*] []
+    ) []) => {
         #[pyfunction]
         #[pyo3(signature = ($($signature)*) $(, text_signature = $shown)?)]
         $($attribute)*
         fn $name<'py>($($head)*, $($typed)*) -> $result { $($body)* }
+    };
+}
+
+/// One more parameter: as pyo3 and as Rust has it.
+macro_rules! add_parameter {
+    (($checked:tt $made:tt [$($signature:tt)*] [$($typed:tt)*] $required:tt) ($($shown:tt)*) ($($rust:tt)*) $rest:tt) => {
+        with_parameters! { ($checked $made [$($signature)* $($shown)*] [$($typed)* $($rust)*] $required) $rest }
+    };
+}
+
+/// One more parameter without a default. Where keywords are checked, it is read after that.
+macro_rules! add_required {
+    (([] $($read:tt)*) $name:ident $rust:tt $line:tt $rest:tt) => {
+        add_parameter! { ([] $($read)*) ($name,) $rust $rest }
+    };
+    (
+        ([$call:tt $($check:tt)*] $made:tt [$($signature:tt)*] [$($typed:tt)*] [$($required:tt)*])
+        $name:ident $rust:tt ($($line:tt)*) $rest:tt
+    ) => {
+        with_parameters! {
+            (
+                [$call $($check)*] $made [$($signature)* $name = crate::fastcall::keywords::Given(None),]
+                [$($typed)* $name: crate::fastcall::keywords::Given<'py>,]
+                [$($required)* ($name let $name = $call.required(stringify!($name), &$name)?; $($line)*)]
+            )
+            $rest
+        }
     };
 }
