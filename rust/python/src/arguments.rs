@@ -17,7 +17,7 @@ const LONGEST: usize = 60;
 /// A type that an argument is read as.
 pub trait FromArgument<'a, 'py>: Sized {
     /// The value, or the error that names the argument.
-    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self>;
+    fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self>;
 }
 
 /// A reading function for each name of an argument.
@@ -86,25 +86,25 @@ fn native<'a, 'py, T: FromPyObject<'a, 'py, Error = PyErr>>(
 }
 
 impl<'a, 'py> FromArgument<'a, 'py> for f64 {
-    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+    fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         number(argument, value)
     }
 }
 
 impl<'a, 'py> FromArgument<'a, 'py> for bool {
-    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+    fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         native(argument, "True or False", value)
     }
 }
 
 impl<'a, 'py> FromArgument<'a, 'py> for String {
-    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+    fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         native(argument, "a str", value)
     }
 }
 
 impl<'a, 'py, const COUNT: usize> FromArgument<'a, 'py> for [f64; COUNT] {
-    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+    fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         numbers(argument, value)
     }
 }
@@ -113,7 +113,7 @@ impl<'a, 'py, const COUNT: usize> FromArgument<'a, 'py> for [f64; COUNT] {
 macro_rules! whole {
     ($kind:ty, $words:literal) => {
         impl<'a, 'py> FromArgument<'a, 'py> for $kind {
-            fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+            fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
                 if value.is_instance_of::<PyBool>() {
                     return Err(other_kind(argument, $words, value, ""));
                 }
@@ -127,14 +127,14 @@ whole! { i64, "a whole number" }
 whole! { usize, "a whole number from 0 on" }
 
 impl<'a, 'py> FromArgument<'a, 'py> for &'a str {
-    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+    fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         let text = value.cast::<PyString>();
         text.map_err(|_| other_kind(argument, "a str", value, ""))?.to_str()
     }
 }
 
 impl<'a, 'py, T: FromArgument<'a, 'py>> FromArgument<'a, 'py> for Option<T> {
-    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+    fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         if value.is_none() { Ok(None) } else { T::read(argument, value).map(Some) }
     }
 }
@@ -143,7 +143,7 @@ impl<'a, 'py, T: FromArgument<'a, 'py>> FromArgument<'a, 'py> for Option<T> {
 macro_rules! numbers {
     ($count:literal: $($kind:ty)*) => {
         impl<'a, 'py> FromArgument<'a, 'py> for ($($kind,)*) {
-            fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+            fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
                 native(argument, concat!($count, " numbers"), value)
             }
         }
@@ -163,7 +163,7 @@ pub trait ArgumentKind: PyClass {
 }
 
 impl<'a, 'py, T: ArgumentKind> FromArgument<'a, 'py> for Bound<'py, T> {
-    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+    fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         let found = value.cast::<T>();
         found.cloned().map_err(|_| other_kind(argument, T::KIND, value, &T::REMEDY(value)))
     }

@@ -7,9 +7,7 @@ use pyo3::types::PyFloat;
 use six_wheel_kinematics::batch;
 use six_wheel_kinematics::geometry::{self as core, Steps};
 
-use crate::convert::{
-    AnyArray, OrRaise, Output, OutputOptions, Rows, compute_rows, named, refuse, shape_text, together,
-};
+use crate::convert::{AnyArray, OrRaise, Output, OutputOptions, Rows, compute_rows, refuse, shape_text, together};
 use crate::workers::any_workers;
 pub use integration::{Course, integrate, rollout};
 
@@ -45,7 +43,7 @@ functions! {
             return Err(refuse("poses", "hold at least one pose", "shape (0, 3)"));
         };
         let mut dt = Rows::read_numbers("dt", dt)?;
-        dt.fit("dt", steps)?;
+        dt.fit(steps)?;
         let mut twists = Output::asked(py, (out, dtype), &[steps, 3])?;
         let (rows, steps, target) = (poses.triples(), dt.steps(), twists.triples());
         compute_rows(py, count, &[count], || batch::differentiate(rows, steps, target, workers))?;
@@ -117,13 +115,13 @@ fn over_time<'py>(
     let mut rows = Rows::read(argument, value, 3)?;
     let one = PyFloat::new(py, 1.0).into_any();
     let mut dt = Rows::read_numbers("dt", dt.unwrap_or(&one))?;
-    together([named(argument, &mut rows), named("dt", &mut dt)])?;
+    together([&mut rows, &mut dt])?;
     match map {
         batch::Map::Log => dt.steps().check_positive(rows.count()),
         _ => dt.steps().check(rows.count()),
     }
     .or_raise(&rows.leading)?;
-    rows.check_finite(argument)?;
+    let rows = rows.finite()?;
     let mut result = Output::asked(py, asked, &rows.shape())?;
     let (triples, steps, target) = (rows.triples(), dt.steps(), result.triples());
     compute_rows(py, triples.len(), &rows.leading, || batch::map(map, triples, &[], steps, target, workers))?;
@@ -152,9 +150,9 @@ functions! {
     as "(first, second, *, out=None, dtype=None, threads=None)"
     -> PyResult<AnyArray<'py>> {
         let workers = any_workers(threads, None)?;
-        let mut first = Rows::read_finite("first", first, 3)?;
-        let mut second = Rows::read_finite("second", second, 3)?;
-        together([named("first", &mut first), named("second", &mut second)])?;
+        let mut first = Rows::read("first", first, 3)?.finite()?;
+        let mut second = Rows::read("second", second, 3)?.finite()?;
+        together([&mut first, &mut second])?;
         let mut result = Output::asked(py, (out, dtype), &first.shape())?;
         let (from, then, target) = (first.triples(), second.triples(), result.triples());
         compute_rows(py, from.len(), &first.leading, || {
@@ -186,7 +184,7 @@ functions! {
     as "(angle, *, out=None, dtype=None, threads=None)"
     -> PyResult<Bound<'py, PyAny>> {
         let workers = any_workers(threads, None)?;
-        let angles = Rows::read_finite_numbers("angle", angle)?;
+        let angles = Rows::read_numbers("angle", angle)?.finite()?;
         if angles.leading.is_empty() && out.is_none() && dtype.is_none() {
             let wrapped = core::wrap_angle(angles.flat()[0]);
             return Ok(wrapped.into_pyobject(py)?.into_any());

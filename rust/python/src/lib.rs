@@ -130,11 +130,11 @@ fn add_functions(module: &Bound<'_, PyModule>) -> PyResult<()> {
 #[pyfunction]
 fn check_kind(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
     match argument {
-        "rover" => Bound::<Rover>::read(argument, value).map(drop),
-        "noise" => Option::<Bound<'_, Noise>>::read(argument, value).map(drop),
-        "gyroscope" => Option::<Bound<'_, Gyroscope>>::read(argument, value).map(drop),
-        "limits" => Option::<Limits>::read(argument, value).map(drop),
-        "ground" => Option::<Bound<'_, Terrain>>::read(argument, value).map(drop),
+        "rover" => Bound::<Rover>::read("rover", value).map(drop),
+        "noise" => Option::<Bound<'_, Noise>>::read("noise", value).map(drop),
+        "gyroscope" => Option::<Bound<'_, Gyroscope>>::read("gyroscope", value).map(drop),
+        "limits" => Option::<Limits>::read("limits", value).map(drop),
+        "ground" => Option::<Bound<'_, Terrain>>::read("ground", value).map(drop),
         _ => Err(refuse("argument", "be one that has a kind", argument)),
     }
 }

@@ -186,7 +186,7 @@ methods! { Odometry:
     fn update[&self, py: Python<'py>](steering, wheel_angles, stamp: f64, *, yaw: Option<f64> = None,
         yaw_rate: Option<f64> = None) -> PyResult<OdometryState> {
         let steering = input::steering(steering, self.joints(), &[])?;
-        let wheels = Rows::read_one("wheel_angles", wheel_angles, self.wheels())?;
+        let wheels = Rows::read("wheel_angles", wheel_angles, self.wheels())?.over(&[])?;
         let sample = Sample {
             steering: steering.as_ref().map_or(&[], Rows::flat),
             wheels: wheels.flat(),

@@ -167,9 +167,9 @@ methods! { Mppi:
         let count = |argument: &str, value: Option<&Bound<'_, PyAny>>, usual: u64| {
             value.map_or(Ok(usual), |value| whole(argument, value))
         };
-        let sampling_std = Rows::read_finite_beside("sampling_std", sampling_std, 3, &[])?;
+        let sampling_std = Rows::read_beside("sampling_std", sampling_std, 3, &[])?.map(Rows::finite).transpose()?;
         let footprint = match footprint {
-            Some(points) => Rows::read_table("footprint", points, 2)?.flat().as_chunks().0.to_vec(),
+            Some(points) => Rows::read("footprint", points, 2)?.table()?.flat().as_chunks().0.to_vec(),
             None => usual.footprint.clone(),
         };
         if footprint.len() > FOOTPRINT {
@@ -241,7 +241,7 @@ methods! { Mppi:
             return Err(one_row("Mppi.step((x, y, yaw))", "state", 1 + more.len()));
         }
         let seen = Seen::of(state)?;
-        let pose = Rows::read_one("state.pose", &seen.pose, 3)?;
+        let pose = Rows::read("state.pose", &seen.pose, 3)?.over(&[])?;
         let twist = Rows::read_beside("state.twist", twist.or(seen.twist.as_ref()), 3, &[])?;
         let joints = self.rover.get().joints();
         let steering = Rows::read_beside("state.steering", steering.or(seen.steering.as_ref()), joints, &[])?;
@@ -305,8 +305,8 @@ impl Mppi {
             let found = state.get_item(name)?;
             found.ok_or_else(|| refuse("state", format!("have {name:?}"), "none"))
         };
-        let controls = Rows::read_table("controls", &item("controls")?, 3)?;
-        let steering = Rows::read_one("steering", &item("steering")?, self.rover.get().joints())?;
+        let controls = Rows::read("controls", &item("controls")?, 3)?.table()?;
+        let steering = Rows::read("steering", &item("steering")?, self.rover.get().joints())?.over(&[])?;
         let cycle = whole("cycle", &item("cycle")?)?;
         let state = State {
             controls: controls.triples().to_vec(),
@@ -366,8 +366,7 @@ impl Mppi {
         if core.cycles_started() != cycles {
             return Err(refuse("extra_cost", "not step the planner it judges for", "another cycle"));
         }
-        costs.check_leading("extra_cost", &[])?;
-        Ok((costs, core))
+        Ok((costs.over(&[])?, core))
     }
 
     /// The outputs for steering angles and wheel speeds.

@@ -162,7 +162,7 @@ impl Profile {
     /// ValueError
     ///     If a time is not finite.
     fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        let times = Rows::read_finite_numbers("times", times)?;
+        let times = Rows::read_numbers("times", times)?.finite()?;
         let width = self.core.width();
         let mut parts: [Vec<f64>; 4] = Default::default();
         let count = memory::count(&[times.flat().len(), width])?;

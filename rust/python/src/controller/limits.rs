@@ -69,7 +69,7 @@ impl ArgumentKind for Limits {
 }
 
 impl<'a, 'py> FromArgument<'a, 'py> for Limits {
-    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+    fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         Bound::<Self>::read(argument, value).map(|limits| limits.get().clone())
     }
 }

@@ -185,7 +185,7 @@ methods! { Controller:
     as "($self, twist, stamp, mode=None)" -> PyResult<bool> {
         let call = "Controller.command((vx, vy, omega), stamp)";
         one_twist_first(call, twist, if mode.is_some() { 3 } else { 2 }, more)?;
-        let twists = Rows::read_one("twist", twist, 3)?;
+        let twists = Rows::read("twist", twist, 3)?.over(&[])?;
         let mode = mode.map(|mode| Mode::from_str(&name(mode))).transpose();
         let twist = Twist::from(twists.triples()[0]);
         let mut core = self.core.lock(py)?;

@@ -56,11 +56,11 @@ methods! { Controller:
     fn run[&self, py: Python<'py>](twists, stamps, step_stamps) -> PyResult<ControllerRun> {
         let times = Rows::read_numbers("step_stamps", step_stamps)?;
         let count = times.flat().len();
-        times.check_leading("step_stamps", &[count])?;
+        let times = times.over(&[count])?;
         let stamps = Rows::read_numbers("stamps", stamps)?;
         let commands = stamps.flat().len();
-        stamps.check_leading("stamps", &[commands])?;
-        let twists = Rows::read_over("twists", twists, 3, &[commands])?;
+        let stamps = stamps.over(&[commands])?;
+        let twists = Rows::read("twists", twists, 3)?.over(&[commands])?;
 
         let widths = [self.joints, self.joints, self.wheels, 3];
         let mut results = Results::fresh(py, widths.map(|width| vec![count, width]))?;

@@ -6,7 +6,7 @@ use six_wheel_kinematics::table::Table;
 
 use super::array::{read_array, three_numbers};
 use super::broadcast::{Broadcast, joined};
-use super::input::{Data, Rows, is_flat, leading};
+use super::input::{Data, Name, Rows, is_flat, leading};
 use super::memory::{self, BorrowedArray, repeated};
 use super::strided::Strided;
 
@@ -19,6 +19,7 @@ pub enum Blocks<'py> {
     Flat(Rows<'py>),
     /// To be read a block at a time.
     Strided {
+        argument: Name,
         strided: Strided,
         leading: Vec<usize>,
         width: usize,
@@ -30,32 +31,43 @@ pub enum Blocks<'py> {
 
 impl<'py> Blocks<'py> {
     /// As [`Rows::read`].
-    pub fn read(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
+    pub fn read(argument: &'static str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
         if width == 3 && three_numbers(value).is_some() {
             return Rows::read(argument, value, width).map(Self::Flat);
         }
-        Self::of(argument, &read_array(argument, value)?, width)
+        Self::of(argument.into(), &read_array(argument, value)?, width)
     }
 
     /// Reads an optional argument.
-    pub fn read_optional(argument: &str, value: Option<&Bound<'py, PyAny>>, width: usize) -> PyResult<Option<Self>> {
+    pub fn read_optional(
+        argument: &'static str,
+        value: Option<&Bound<'py, PyAny>>,
+        width: usize,
+    ) -> PyResult<Option<Self>> {
         value.map(|value| Self::read(argument, value, width)).transpose()
     }
 
-    fn of(argument: &str, array: &Bound<'py, PyUntypedArray>, width: usize) -> PyResult<Self> {
+    fn of(argument: Name, array: &Bound<'py, PyUntypedArray>, width: usize) -> PyResult<Self> {
         if array.len() >= MANY
             && !is_flat(array)
             && let Some(strided) = Strided::of(array)
         {
             return Ok(Self::Strided {
                 strided,
-                leading: leading(argument, array, width)?,
+                leading: leading(&argument, array, width)?,
                 width,
                 array: array.clone(),
-                held: memory::read(argument, array)?,
+                held: memory::read(&argument, array)?,
+                argument,
             });
         }
         Rows::of(argument, array, Some(width)).map(Self::Flat)
+    }
+
+    fn name(&self) -> &Name {
+        match self {
+            Self::Flat(Rows { argument, .. }) | Self::Strided { argument, .. } => argument,
+        }
     }
 
     fn width(&self) -> usize {
@@ -84,36 +96,27 @@ impl<'py> Blocks<'py> {
     }
 
     /// All of them one after the other, in a copy where they are not.
-    pub fn flat(self, argument: &str) -> PyResult<Rows<'py>> {
+    pub fn flat(self) -> PyResult<Rows<'py>> {
         match self {
             Self::Flat(rows) => Ok(rows),
-            Self::Strided { ref array, ref held, width, .. } => {
-                Rows::of(argument, &held.source(array, &self.shape())?, Some(width))
+            Self::Strided { ref argument, ref array, ref held, width, .. } => {
+                Rows::of(argument.clone(), &held.source(array, &self.shape())?, Some(width))
             }
         }
     }
 
-    /// The array as it was read, if one is.
-    fn source(&self) -> Option<PyResult<Bound<'py, PyUntypedArray>>> {
+    /// The array that is read, if one is, and what holds it.
+    fn array(&self) -> Option<(&Bound<'py, PyUntypedArray>, &BorrowedArray)> {
         match self {
-            Self::Flat(Rows { data: Data::Array(memory), .. }) => Some(memory.source(&self.shape())),
-            Self::Strided { array, held, .. } => Some(held.source(array, &self.shape())),
-            Self::Flat(_) => None,
-        }
-    }
-
-    /// The array that is read, if one is.
-    fn array(&self) -> Option<&Bound<'py, PyUntypedArray>> {
-        match self {
-            Self::Flat(Rows { data: Data::Array(memory), .. }) => Some(memory.array()),
-            Self::Strided { array, .. } => Some(array),
+            Self::Flat(Rows { data: Data::Array(memory), .. }) => Some((&memory.array, &memory.held)),
+            Self::Strided { array, held, .. } => Some((array, held)),
             Self::Flat(_) => None,
         }
     }
 
     /// Lets go of the caller's array by copying it, so that the array may also be written to.
     pub fn release_if(&mut self, written: &Bound<'py, PyAny>) -> PyResult<()> {
-        if !self.array().is_some_and(|array| array.is(written)) {
+        if !self.array().is_some_and(|(array, _)| array.is(written)) {
             return Ok(());
         }
         let numbers = match self {
@@ -123,13 +126,17 @@ impl<'py> Blocks<'py> {
                 None => strided.all()?,
             },
         };
-        let (leading, last) = (self.leading().to_vec(), Some(self.width()));
-        *self = Self::Flat(Rows { data: Data::Owned(numbers), leading, last });
+        let (argument, leading, last) = (self.name().clone(), self.leading().to_vec(), Some(self.width()));
+        *self = Self::Flat(Rows { argument, data: Data::Owned(numbers), leading, last });
         Ok(())
     }
 }
 
 impl Broadcast for Blocks<'_> {
+    fn argument(&self) -> &str {
+        self.name()
+    }
+
     fn leading(&self) -> &[usize] {
         match self {
             Self::Flat(rows) => &rows.leading,
@@ -141,12 +148,12 @@ impl Broadcast for Blocks<'_> {
         joined(leading, self.width())
     }
 
-    fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
-        if let Some(array) = self.source() {
-            let wide = repeated(&array?, &self.shape(), &self.shape_over(leading))?;
-            *self = Self::of(argument, &wide, self.width())?;
+    fn spread(&mut self, leading: &[usize]) -> PyResult<()> {
+        if let Some((array, held)) = self.array() {
+            let wide = repeated(&held.source(array, &self.shape())?, &self.shape(), &self.shape_over(leading))?;
+            *self = Self::of(self.name().clone(), &wide, self.width())?;
         } else if let Self::Flat(rows) = self {
-            rows.spread(argument, leading)?;
+            rows.spread(leading)?;
         }
         Ok(())
     }

@@ -6,6 +6,9 @@ use super::errors::{refuse, shape_text};
 
 /// An argument with leading axes.
 pub trait Broadcast {
+    /// Its name.
+    fn argument(&self) -> &str;
+
     /// Their lengths.
     fn leading(&self) -> &[usize];
 
@@ -18,41 +21,46 @@ pub trait Broadcast {
     }
 
     /// Repeats what there is over these axes.
-    fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()>;
-}
-
-/// An argument by its name.
-pub type Named<'a> = (&'static str, &'a mut dyn Broadcast);
-
-/// An argument with its name.
-pub fn named<'a>(argument: &'static str, value: &'a mut dyn Broadcast) -> Named<'a> {
-    (argument, value)
+    fn spread(&mut self, leading: &[usize]) -> PyResult<()>;
 }
 
 /// An argument that may have been left out.
-pub fn given<'a, T: Broadcast>(argument: &'static str, value: &'a mut Option<T>) -> Option<Named<'a>> {
-    value.as_mut().map(|value| named(argument, value))
+pub trait Given {
+    /// The argument, if there is one.
+    fn given(&mut self) -> Option<&mut dyn Broadcast>;
+}
+
+impl<T: Broadcast> Given for T {
+    fn given(&mut self) -> Option<&mut dyn Broadcast> {
+        Some(self)
+    }
+}
+
+impl<T: Broadcast> Given for Option<T> {
+    fn given(&mut self) -> Option<&mut dyn Broadcast> {
+        self.as_mut().map(|value| value as &mut dyn Broadcast)
+    }
 }
 
 /// The leading axes of all arguments together: counted from the last one, each has the same length in all of them,
 /// or 1, or is not there. What does not fit is named beside the first argument that it does not fit.
-pub fn together<'a>(arguments: impl IntoIterator<Item = Named<'a>>) -> PyResult<Vec<usize>> {
-    let mut arguments: Vec<Named<'a>> = arguments.into_iter().collect();
+pub fn together<const N: usize>(arguments: [&mut dyn Given; N]) -> PyResult<Vec<usize>> {
+    let mut arguments: Vec<&mut dyn Broadcast> = arguments.into_iter().filter_map(Given::given).collect();
     let mut common: Vec<usize> = Vec::new();
-    for (k, (argument, value)) in arguments.iter().enumerate() {
+    for (k, value) in arguments.iter().enumerate() {
         common = match joint(&common, value.leading()) {
             Some(joint) => joint,
             None => {
-                let unfit = |(_, other): &&Named<'a>| joint(other.leading(), value.leading()).is_none();
-                let beside = arguments[..k].iter().find(unfit).map_or("the others", |(other, _)| other);
+                let unfit = arguments[..k].iter().find(|other| joint(other.leading(), value.leading()).is_none());
+                let beside = unfit.map_or("the others", |other| other.argument());
                 let got = format!("shape {} beside {beside}", shape_text(&value.shape_over(value.leading())));
-                return Err(refuse(argument, value.rule(&common), &got));
+                return Err(refuse(value.argument(), value.rule(&common), &got));
             }
         };
     }
-    for (argument, value) in &mut arguments {
+    for value in &mut arguments {
         if value.leading() != common {
-            value.spread(argument, &common)?;
+            value.spread(&common)?;
         }
     }
     Ok(common)

@@ -7,9 +7,8 @@ use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyOverflowError, PyTy
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyTuple};
 use pyo3::{PyTypeInfo, import_exception, intern};
-use six_wheel_numerics::error::{Error, ErrorKind, LARGEST, bounded};
+use six_wheel_numerics::error::{Error, ErrorKind};
 use six_wheel_numerics::names::one_of;
-use six_wheel_numerics::sizes::are_below;
 
 import_exception!(six_wheel.kinematics.errors, ArgumentTypeError);
 import_exception!(six_wheel.kinematics.errors, InfeasibleMotionError);
@@ -110,26 +109,6 @@ fn index(row: usize, leading: &[usize]) -> Vec<usize> {
     }
     places.reverse();
     places
-}
-
-/// Fails unless the numbers of every row are finite and smaller than [`LARGEST`]; a row that has no answer may also be NaN throughout.
-pub(super) fn check_finite(
-    argument: &'static str,
-    values: &[f64],
-    width: usize,
-    leading: &[usize],
-    has_no_answer: impl Fn(usize) -> bool,
-) -> PyResult<()> {
-    if are_below(values, LARGEST) {
-        return Ok(());
-    }
-    for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
-        if values.iter().all(|value| value.is_nan()) && has_no_answer(row) {
-            continue;
-        }
-        bounded(argument, values).map_err(|error| raise(error.at_row(row), leading))?;
-    }
-    Ok(())
 }
 
 /// "`argument` must `rule`, got `value`" for what only Python knows of.

@@ -1,5 +1,6 @@
 //! Rows of numbers on their way in: whatever `numpy.asarray` takes, as slices of `f64`.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
@@ -7,12 +8,17 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
 use six_wheel_kinematics::geometry::Steps;
+use six_wheel_numerics::error::{Error, LARGEST, bounded};
+use six_wheel_numerics::sizes::are_below;
 
 use super::array::{read_array, three_numbers};
 use super::broadcast::Broadcast;
-use super::errors::{check_finite, refuse, refuse_shape, shape_text};
+use super::errors::{OrRaise, refuse, refuse_shape, shape_text};
 use super::memory::{self, Memory, repeated};
 use super::numpy_module::numpy;
+
+/// The name of an argument.
+pub type Name = Cow<'static, str>;
 
 pub(super) enum Data<'py> {
     One(f64),
@@ -23,6 +29,7 @@ pub(super) enum Data<'py> {
 
 /// Rows of numbers, one after the other: leading axes are samples, the last axis has meaning.
 pub struct Rows<'py> {
+    pub(super) argument: Name,
     pub(super) data: Data<'py>,
     /// Lengths of the leading axes.
     pub leading: Vec<usize>,
@@ -32,49 +39,40 @@ pub struct Rows<'py> {
 
 impl<'py> Rows<'py> {
     /// Reads whatever `numpy.asarray` takes. Three floats in a tuple or list never become an array.
-    pub fn read(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
+    pub fn read(argument: impl Into<Name>, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
+        let argument = argument.into();
         if width == 3
             && let Some(three) = three_numbers(value)
         {
-            return Ok(Self { data: Data::Three(three), leading: Vec::new(), last: Some(width) });
+            return Ok(Self { argument, data: Data::Three(three), leading: Vec::new(), last: Some(width) });
         }
-        Self::of(argument, &read_array(argument, value)?, Some(width))
+        let array = read_array(&argument, value)?;
+        Self::of(argument, &array, Some(width))
     }
 
     /// The rows of an array of real numbers.
-    pub(super) fn of(argument: &str, array: &Bound<'py, PyUntypedArray>, last: Option<usize>) -> PyResult<Self> {
-        let leading = last.map_or_else(|| Ok(array.shape().to_vec()), |width| leading(argument, array, width))?;
-        Ok(Self { data: Data::Array(contiguous(argument, array)?), leading, last })
+    pub(super) fn of(argument: Name, array: &Bound<'py, PyUntypedArray>, last: Option<usize>) -> PyResult<Self> {
+        let leading = last.map_or_else(|| Ok(array.shape().to_vec()), |width| leading(&argument, array, width))?;
+        Ok(Self { data: Data::Array(contiguous(&argument, array)?), argument, leading, last })
     }
 
     /// Reads a number or an array of numbers, one a row.
-    pub fn read_numbers(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
-        let one = |number| Self { data: Data::One(number), leading: Vec::new(), last: None };
+    pub fn read_numbers(argument: impl Into<Name>, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let argument = argument.into();
         if let Ok(float) = value.cast::<PyFloat>() {
-            return Ok(one(float.value()));
+            return Ok(Self { argument, data: Data::One(float.value()), leading: Vec::new(), last: None });
         }
-        let numbers = Self::of(argument, &read_array(argument, value)?, None)?;
+        let array = read_array(&argument, value)?;
+        let mut numbers = Self::of(argument, &array, None)?;
         // The only number of an array is copied: the array may be written to.
-        Ok(match (numbers.leading.as_slice(), numbers.flat()) {
-            ([], [number]) => one(*number),
-            _ => numbers,
-        })
+        if let ([], &[number]) = (numbers.leading.as_slice(), numbers.flat()) {
+            numbers.data = Data::One(number);
+        }
+        Ok(numbers)
     }
 
-    /// Reads a finite number or an array of finite numbers, one a row.
-    pub fn read_finite_numbers(argument: &'static str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
-        let numbers = Self::read_numbers(argument, value)?;
-        numbers.check_finite(argument).map(|()| numbers)
-    }
-
-    /// Reads finite rows.
-    pub fn read_finite(argument: &'static str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
-        let rows = Self::read(argument, value, width)?;
-        rows.check_finite(argument).map(|()| rows)
-    }
-
-    /// Reads finite rows of one of two widths; `rule` has both.
-    pub fn read_finite_either(
+    /// Reads rows of one of two widths; `rule` has both.
+    pub fn read_either(
         argument: &'static str,
         value: &Bound<'py, PyAny>,
         widths: [usize; 2],
@@ -84,8 +82,61 @@ impl<'py> Rows<'py> {
         let Some(width) = widths.into_iter().find(|width| array.shape().last() == Some(width)) else {
             return Err(refuse_shape(argument, rule, array.shape()));
         };
-        let rows = Self::of(argument, &array, Some(width))?;
-        rows.check_finite(argument).map(|()| rows)
+        Self::of(argument.into(), &array, Some(width))
+    }
+
+    /// Reads an optional argument.
+    pub fn read_optional(
+        argument: &'static str,
+        value: Option<&Bound<'py, PyAny>>,
+        width: usize,
+    ) -> PyResult<Option<Self>> {
+        value.map(|value| Self::read(argument, value, width)).transpose()
+    }
+
+    /// Reads an optional argument that has one row per row of another one.
+    pub fn read_beside(
+        argument: &'static str,
+        value: Option<&Bound<'py, PyAny>>,
+        width: usize,
+        leading: &[usize],
+    ) -> PyResult<Option<Self>> {
+        value.map(|value| Self::read(argument, value, width)?.over(leading)).transpose()
+    }
+
+    /// These rows; fails unless every number is finite.
+    pub fn finite(self) -> PyResult<Self> {
+        self.check_finite_where(|_| false).map(|()| self)
+    }
+
+    /// Fails unless every number is finite and smaller than [`LARGEST`]; a row that has no answer may also be NaN
+    /// throughout.
+    pub fn check_finite_where(&self, has_no_answer: impl Fn(usize) -> bool) -> PyResult<()> {
+        if are_below(self.flat(), LARGEST) {
+            return Ok(());
+        }
+        let named = |error: Error| Error { argument: self.argument.clone(), ..error };
+        for (row, values) in self.flat().chunks_exact(self.width().max(1)).enumerate() {
+            if !(values.iter().all(|value| value.is_nan()) && has_no_answer(row)) {
+                bounded("", values).map_err(|error| named(error).at_row(row)).or_raise(&self.leading)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// These rows; fails unless they have these leading axes.
+    pub fn over(self, leading: &[usize]) -> PyResult<Self> {
+        if self.leading == leading { Ok(self) } else { Err(self.refuse_shape(shape_text(&self.shape_over(leading)))) }
+    }
+
+    /// These rows; fails unless they have one leading axis.
+    pub fn table(self) -> PyResult<Self> {
+        if self.leading.len() == 1 { Ok(self) } else { Err(self.refuse_shape(format!("(n, {})", self.width()))) }
+    }
+
+    /// The error of rows in another shape than those that are wanted.
+    pub fn refuse_shape(&self, wanted: impl Display) -> PyErr {
+        refuse_shape(&self.argument, format!("have shape {wanted}"), &self.shape())
     }
 
     /// Numbers of a row.
@@ -93,72 +144,9 @@ impl<'py> Rows<'py> {
         self.last.unwrap_or(1)
     }
 
-    /// Reads an optional argument.
-    pub fn read_optional(argument: &str, value: Option<&Bound<'py, PyAny>>, width: usize) -> PyResult<Option<Self>> {
-        value.map(|value| Self::read(argument, value, width)).transpose()
-    }
-
-    /// Reads a table: one leading axis.
-    pub fn read_table(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
-        let rows = Self::read(argument, value, width)?;
-        if rows.leading.len() == 1 { Ok(rows) } else { Err(rows.refuse_shape(argument, format!("(n, {width})"))) }
-    }
-
-    /// Reads rows with these leading axes.
-    pub fn read_over(argument: &str, value: &Bound<'py, PyAny>, width: usize, leading: &[usize]) -> PyResult<Self> {
-        let rows = Self::read(argument, value, width)?;
-        rows.check_leading(argument, leading).map(|()| rows)
-    }
-
-    /// Reads one row.
-    pub fn read_one(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
-        Self::read_over(argument, value, width, &[])
-    }
-
-    /// Reads an optional argument that has one row per row of another one.
-    pub fn read_beside(
-        argument: &str,
-        value: Option<&Bound<'py, PyAny>>,
-        width: usize,
-        leading: &[usize],
-    ) -> PyResult<Option<Self>> {
-        value.map(|value| Self::read_over(argument, value, width, leading)).transpose()
-    }
-
-    /// Reads finite rows with these leading axes.
-    pub fn read_finite_over(
-        argument: &'static str,
-        value: &Bound<'py, PyAny>,
-        width: usize,
-        leading: &[usize],
-    ) -> PyResult<Self> {
-        let rows = Self::read_over(argument, value, width, leading)?;
-        rows.check_finite(argument).map(|()| rows)
-    }
-
-    /// Reads an optional argument of finite numbers that has one row per row of another one.
-    pub fn read_finite_beside(
-        argument: &'static str,
-        value: Option<&Bound<'py, PyAny>>,
-        width: usize,
-        leading: &[usize],
-    ) -> PyResult<Option<Self>> {
-        value.map(|value| Self::read_finite_over(argument, value, width, leading)).transpose()
-    }
-
     /// Lengths of all axes.
     pub fn shape(&self) -> Vec<usize> {
         self.shape_over(&self.leading)
-    }
-
-    /// Fails unless every number is finite.
-    pub fn check_finite(&self, argument: &'static str) -> PyResult<()> {
-        self.check_finite_where(argument, |_| false)
-    }
-
-    /// Fails unless every number is finite; a row that has no answer may also be NaN throughout.
-    pub fn check_finite_where(&self, argument: &'static str, has_no_answer: impl Fn(usize) -> bool) -> PyResult<()> {
-        check_finite(argument, self.flat(), self.width(), &self.leading, has_no_answer)
     }
 
     /// All numbers, row after row.
@@ -180,29 +168,18 @@ impl<'py> Rows<'py> {
     }
 
     /// Fails unless it is one number, or one for each of so many rows.
-    pub fn fit(&mut self, argument: &str, count: usize) -> PyResult<()> {
+    pub fn fit(&mut self, count: usize) -> PyResult<()> {
         match self.leading.as_slice() {
             [] => Ok(()),
-            [1] => self.spread(argument, &[count]),
+            [1] => self.spread(&[count]),
             _ if self.leading == [count] => Ok(()),
-            _ => Err(refuse_shape(argument, self.rule(&[count]), &self.leading)),
+            _ => Err(refuse_shape(&self.argument, self.rule(&[count]), &self.leading)),
         }
     }
 
     /// All numbers as triples.
     pub fn triples(&self) -> &[[f64; 3]] {
         self.flat().as_chunks().0
-    }
-
-    /// Fails unless it has these leading axes.
-    pub fn check_leading(&self, argument: &str, leading: &[usize]) -> PyResult<()> {
-        let refused = || self.refuse_shape(argument, shape_text(&self.shape_over(leading)));
-        if self.leading == leading { Ok(()) } else { Err(refused()) }
-    }
-
-    /// The error of rows in another shape than those that are wanted.
-    pub fn refuse_shape(&self, argument: &str, wanted: impl Display) -> PyErr {
-        refuse_shape(argument, format!("have shape {wanted}"), &self.shape())
     }
 
     /// All numbers as pairs.
@@ -223,16 +200,20 @@ impl<'py> Rows<'py> {
 
 /// Reads a point: three finite numbers.
 pub fn read_point(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
-    Rows::read_finite_over(argument, value, 3, &[]).map(|point| point.triples()[0])
+    Ok(Rows::read(argument, value, 3)?.over(&[])?.finite()?.triples()[0])
 }
 
 /// Reads exactly `N` numbers.
-pub fn numbers<const COUNT: usize>(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; COUNT]> {
-    let row = Rows::read_one(argument, value, COUNT)?;
+pub fn numbers<const COUNT: usize>(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<[f64; COUNT]> {
+    let row = Rows::read(argument, value, COUNT)?.over(&[])?;
     Ok(std::array::from_fn(|place| row.flat()[place]))
 }
 
 impl Broadcast for Rows<'_> {
+    fn argument(&self) -> &str {
+        &self.argument
+    }
+
     fn leading(&self) -> &[usize] {
         &self.leading
     }
@@ -247,14 +228,14 @@ impl Broadcast for Rows<'_> {
     }
 
     /// One number stays one.
-    fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
+    fn spread(&mut self, leading: &[usize]) -> PyResult<()> {
         let shape = self.shape_over(leading);
         if let Data::One(_) = self.data {
             return Ok(());
         }
         if let Data::Array(memory) = &self.data {
             let wide = repeated(&memory.source(&self.shape())?, &self.shape(), &shape)?;
-            *self = Self::of(argument, &wide, self.last)?;
+            *self = Self::of(self.argument.clone(), &wide, self.last)?;
             return Ok(());
         }
         // A value that is no array is one row.

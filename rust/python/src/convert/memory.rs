@@ -105,8 +105,8 @@ impl Drop for BorrowedArray {
 pub(super) struct Memory<'py> {
     data: *const f64,
     count: usize,
-    array: Bound<'py, PyUntypedArray>,
-    held: BorrowedArray,
+    pub(super) array: Bound<'py, PyUntypedArray>,
+    pub(super) held: BorrowedArray,
 }
 
 impl<'py> Memory<'py> {
@@ -121,11 +121,6 @@ impl<'py> Memory<'py> {
     /// The array as it was read, which had this shape.
     pub(super) fn source(&self, shape: &[usize]) -> PyResult<Bound<'py, PyUntypedArray>> {
         self.held.source(&self.array, shape)
-    }
-
-    /// The array object itself.
-    pub(super) fn array(&self) -> &Bound<'py, PyUntypedArray> {
-        &self.array
     }
 
     pub(super) fn numbers(&self) -> &[f64] {

@@ -21,7 +21,7 @@ fn check_class(argument: &str, given: &Bound<'_, PyAny>, class: &str) -> PyResul
 }
 
 /// One angle per axle.
-pub fn axles(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<Axles> {
+pub fn axles(argument: &'static str, given: &Bound<'_, PyAny>) -> PyResult<Axles> {
     numbers(argument, given)
 }
 

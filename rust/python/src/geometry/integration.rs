@@ -17,7 +17,6 @@ use crate::workers::{any_workers, workers};
 
 /// Logs of twists, with what goes with them.
 pub struct Course<'py> {
-    argument: &'static str,
     pub twists: Blocks<'py>,
     dt: Rows<'py>,
     starts: Option<Rows<'py>>,
@@ -26,16 +25,11 @@ pub struct Course<'py> {
 }
 
 impl<'py> Course<'py> {
-    pub fn read(
-        argument: &'static str,
-        mut twists: Blocks<'py>,
-        dt: &Bound<'py, PyAny>,
-        start: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Self> {
+    pub fn read(mut twists: Blocks<'py>, dt: &Bound<'py, PyAny>, start: Option<&Bound<'py, PyAny>>) -> PyResult<Self> {
         let Some((&count, logs)) = twists.leading().split_last() else {
-            return Err(refuse(argument, "have shape (..., n, 3)", "shape (3,)"));
+            return Err(refuse(twists.argument(), "have shape (..., n, 3)", "shape (3,)"));
         };
-        let mut starts = start.map(|start| Rows::read("start", start, 3)).transpose()?;
+        let mut starts = Rows::read_optional("start", start, 3)?;
         // One start for all logs is not repeated.
         if let Some(starts) = starts.as_mut().filter(|starts| !starts.is_single())
             && starts.leading != logs
@@ -44,12 +38,12 @@ impl<'py> Course<'py> {
                 let rule = format!("be one pose or have leading axes {}", shape_text(logs));
                 return Err(refuse("start", &rule, format!("leading axes {}", shape_text(&starts.leading))));
             };
-            starts.spread("start", &common)?;
-            twists.spread(argument, &joined(&common, count))?;
+            starts.spread(&common)?;
+            twists.spread(&joined(&common, count))?;
         }
         let mut dt = Rows::read_numbers("dt", dt)?;
-        dt.fit("dt", count)?;
-        Ok(Self { argument, twists, dt, starts, count })
+        dt.fit(count)?;
+        Ok(Self { twists, dt, starts, count })
     }
 
     /// Reads controls: at least one axis of rollouts before that of the steps.
@@ -62,7 +56,7 @@ impl<'py> Course<'py> {
         if controls.leading().len() < 2 {
             return Err(refuse_shape("controls", "have shape (..., k, t, 3)", &controls.shape()));
         }
-        Self::read("controls", controls, dt, start)
+        Self::read(controls, dt, start)
     }
 
     /// Leading axes of the logs.
@@ -98,7 +92,7 @@ impl<'py> Course<'py> {
     /// The exception of a core error.
     pub fn raise(&self, mut error: Error) -> PyErr {
         if error.argument == "twists" || error.argument == "twist" {
-            error.argument = self.argument.into();
+            error.argument = self.twists.argument().to_owned().into();
         }
         let leading = if error.argument == "dt" { &[self.count][..] } else { self.twists.leading() };
         raise(error, leading)
@@ -137,7 +131,7 @@ functions! {
     as "(twists, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, threads=None, level=None)"
     -> PyResult<AnyArray<'py>> {
         let twists = Blocks::read("twists", twists, 3)?;
-        let course = Course::read("twists", twists, dt, start)?;
+        let course = Course::read(twists, dt, start)?;
         poses_along(py, &course, (out, dtype), (threads, level))
     }
 }

@@ -6,7 +6,7 @@ use six_wheel_numerics::error::LARGEST;
 
 use super::results::{Columns, GroundCommand, GroundMotion};
 use super::settled_pose_input::Stands;
-use crate::convert::{OrRaise, Out, Rows, choice, compute_rows, given, joined, named, number, refuse, together};
+use crate::convert::{Broadcast, OrRaise, Out, Rows, choice, compute_rows, joined, number, refuse, together};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
@@ -62,13 +62,12 @@ methods! { Suspension:
         let mut stands = Stands::read(chain, stand)?;
         let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
         let rule = "have shape (..., 2), speed and yaw rate, or (..., 3), a twist";
-        let mut commands = Rows::read_finite_either("command", command, [2, 3], rule)?;
+        let mut commands = Rows::read_either("command", command, [2, 3], rule)?.finite()?;
         let mut kept = Rows::read_optional("steering", steering, steered)?;
-        let numbers = [named("stand", &mut stands), named("command", &mut commands)];
-        let leading = together(numbers.into_iter().chain(given("steering", &mut kept)))?;
+        let leading = together([&mut stands, &mut commands, &mut kept])?;
         let count: usize = leading.iter().product();
         if let Some(kept) = &kept {
-            stands.check_finite("steering", kept)?;
+            stands.check_finite(kept)?;
         }
         let mut how = Command { view: self::view(view)?, offset: self.motion.offset, wheel_speed: f64::INFINITY };
         if let Some(limit) = max_wheel_speed {
@@ -147,26 +146,15 @@ methods! { Suspension:
         let mut measured = Rows::read_optional("joint_rates", joint_rates, joints)?;
         let mut turning = Rows::read_optional("angular_velocity", angular_velocity, 3)?;
         let mut steering_rates = Rows::read_optional("steering_rates", steering_rates, steered)?;
-        let numbers = [named("stand", &mut stands), named("wheel_speeds", &mut speeds)];
-        let numbers = numbers
-            .into_iter()
-            .chain(given("steering", &mut steering))
-            .chain(given("joint_rates", &mut measured))
-            .chain(given("angular_velocity", &mut turning))
-            .chain(given("steering_rates", &mut steering_rates));
-        let leading = together(numbers)?;
-        for (name, rows) in [("steering", &steering), ("steering_rates", &steering_rates)] {
-            if let Some(rows) = rows {
-                stands.check_finite(name, rows)?;
-            }
+        let leading = together([&mut stands, &mut speeds, &mut steering, &mut measured, &mut turning, &mut steering_rates])?;
+        for rows in [&steering, &steering_rates].into_iter().flatten() {
+            stands.check_finite(rows)?;
         }
-        let gaps =
-            [("wheel_speeds", Some(&speeds)), ("joint_rates", measured.as_ref()), ("angular_velocity", turning.as_ref())];
-        for (name, rows) in gaps {
-            let mut numbers = rows.into_iter().flat_map(|rows| rows.flat());
-            if let Some(rate) = numbers.find(|rate| rate.abs() >= LARGEST) {
+        for rows in [Some(&speeds), measured.as_ref(), turning.as_ref()].into_iter().flatten() {
+            if let Some(rate) = rows.flat().iter().find(|rate| rate.abs() >= LARGEST) {
                 let rule = if rate.is_infinite() { "be finite".into() } else { format!("be smaller than {LARGEST:e}") };
-                return Err(refuse(name, format!("{rule}, or NaN where not measured"), format!("{rate:?}")));
+                let rule = format!("{rule}, or NaN where not measured");
+                return Err(refuse(rows.argument(), rule, format!("{rate:?}")));
             }
         }
         let weights = weights.map(|weights| self.read_weights(weights)).transpose()?;
@@ -202,7 +190,7 @@ impl Suspension {
             _ => {
                 let rows = Rows::read("weights", value, 2)?;
                 if rows.leading != [wheels] {
-                    return Err(rows.refuse_shape("weights", format!("({wheels},) or ({wheels}, 2)")));
+                    return Err(rows.refuse_shape(format!("({wheels},) or ({wheels}, 2)")));
                 }
                 rows
             }

@@ -59,7 +59,7 @@ pub struct Attributes<'py> {
 impl<'py> Attributes<'py> {
     fn read(chain: &Chain, stand: &Bound<'py, PyAny>) -> PyResult<Self> {
         let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-        let rows = |name: &str, width| Rows::read(&format!("stand.{name}"), &stand.getattr(name)?, width);
+        let rows = |name: &str, width| Rows::read(format!("stand.{name}"), &stand.getattr(name)?, width);
         if !stand.hasattr("contact_angles")? {
             let remedy = "what settle(...) has returned";
             return Err(other_kind("stand", "a SettledPose", stand, remedy));
@@ -74,14 +74,9 @@ impl<'py> Attributes<'py> {
                 return Ok(rows);
             }
             let rule = format!("have leading axes {}", shape_text(&leading));
-            Err(refuse_shape(&format!("stand.{name}"), &rule, &rows.shape()))
+            Err(refuse_shape(rows.argument(), &rule, &rows.shape()))
         };
-        let scalars = |name: &str| {
-            let argument = format!("stand.{name}");
-            let scalars = Rows::read_numbers(&argument, &stand.getattr(name)?)?;
-            scalars.check_leading(&argument, &leading)?;
-            PyResult::Ok(scalars)
-        };
+        let scalars = |name: &str| Rows::read_numbers(format!("stand.{name}"), &stand.getattr(name)?)?.over(&leading);
         let some = |name: &str, width: usize| (width > 0).then(|| beside(name, width)).transpose();
         Ok(Self {
             roll: scalars("roll")?,
@@ -114,9 +109,9 @@ impl<'py> Stands<'py> {
 
     /// Fails unless numbers beside the poses are finite. Where a pose does not stand they may be NaN, as other calls give
     /// them for it.
-    pub fn check_finite(&self, name: &'static str, rows: &Rows<'py>) -> PyResult<()> {
+    pub fn check_finite(&self, rows: &Rows<'py>) -> PyResult<()> {
         let single = self.leading().iter().product::<usize>() == 1;
-        rows.check_finite_where(name, |row| !self.stands(if single { 0 } else { row }))
+        rows.check_finite_where(|row| !self.stands(if single { 0 } else { row }))
     }
 
     /// True if a pose stands.
@@ -153,6 +148,10 @@ impl<'py> Stands<'py> {
 }
 
 impl Broadcast for Stands<'_> {
+    fn argument(&self) -> &str {
+        "stand"
+    }
+
     fn leading(&self) -> &[usize] {
         match self {
             Self::Settled(stand) => &stand.get().leading,
@@ -166,7 +165,7 @@ impl Broadcast for Stands<'_> {
     }
 
     /// One pose stays one: the core takes it for all rows.
-    fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
+    fn spread(&mut self, leading: &[usize]) -> PyResult<()> {
         if self.leading().iter().product::<usize>() == 1 {
             return Ok(());
         }
@@ -176,14 +175,14 @@ impl Broadcast for Stands<'_> {
             Self::Told(told) => {
                 let wheels = told.normals.leading.last().copied().unwrap_or_default();
                 told.leading = leading.to_vec();
-                told.roll.spread(argument, leading)?;
-                told.pitch.spread(argument, leading)?;
-                told.transform.spread(argument, &joined(leading, 4))?;
-                told.normals.spread(argument, &joined(leading, wheels))?;
+                told.roll.spread(leading)?;
+                told.pitch.spread(leading)?;
+                told.transform.spread(&joined(leading, 4))?;
+                told.normals.spread(&joined(leading, wheels))?;
                 let numbers =
                     [told.joints.as_mut(), told.steering.as_mut(), Some(&mut told.angles), Some(&mut told.gap)];
                 for rows in numbers.into_iter().flatten() {
-                    rows.spread(argument, leading)?;
+                    rows.spread(leading)?;
                 }
             }
         }

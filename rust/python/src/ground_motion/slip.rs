@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use six_wheel_ground_motion::{SlipInput, SlipTest, Slips, slip_rows};
 
 use super::settled_pose_input::Stands;
-use crate::convert::{OrRaise, Out, Output, Rows, compute_rows, joined, named, refuse, together};
+use crate::convert::{OrRaise, Out, Output, Rows, compute_rows, joined, refuse, together};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
@@ -56,14 +56,9 @@ methods! { Suspension:
         let mut speeds = Rows::read("wheel_speeds", wheel_speeds, wheels)?;
         let mut twists = Rows::read("twist", twist, 6)?;
         let mut rates = Rows::read("joint_rates", joint_rates, joints)?;
-        let leading = together([
-            named("stand", &mut stands),
-            named("wheel_speeds", &mut speeds),
-            named("twist", &mut twists),
-            named("joint_rates", &mut rates),
-        ])?;
-        for (name, rows) in [("wheel_speeds", &speeds), ("twist", &twists), ("joint_rates", &rates)] {
-            stands.check_finite(name, rows)?;
+        let leading = together([&mut stands, &mut speeds, &mut twists, &mut rates])?;
+        for rows in [&speeds, &twists, &rates] {
+            stands.check_finite(rows)?;
         }
         let shapes = [(); 2].map(|()| joined(&leading, wheels));
         let mut results = Out::read(out, ["ratio", "angle"])?.results(py, shapes, None, false)?;
@@ -121,7 +116,7 @@ impl BodySlip {
     fn compensate<'py>(&self, py: Python<'py>, wanted: &Bound<'py, PyAny>) -> PyResult<Py<PyAny>> {
         let slip = self.slip.bind(py);
         let slips = Rows::read("slip", slip, slip.len()?)?;
-        let wanted = Rows::read_finite_over("wanted", wanted, slip.len()?, &[])?;
+        let wanted = Rows::read("wanted", wanted, slip.len()?)?.over(&[])?.finite()?;
         let mut command = Output::fresh(py, &[slip.len()?])?;
         let share = if self.slipping { 1.0 } else { 0.0 };
         for (k, command) in command.flat().iter_mut().enumerate() {
@@ -162,9 +157,9 @@ functions! {
         if !(1..=6).contains(&length) {
             return Err(refuse("navigated", "hold one to six numbers", navigated.repr()?));
         }
-        let navigated = Rows::read_finite_over("navigated", navigated, length, &[])?;
-        let kinematic = Rows::read_finite_over("kinematic", kinematic, length, &[])?;
-        let covariance = Rows::read_finite_over("covariance", covariance, length, &[length])?;
+        let navigated = Rows::read("navigated", navigated, length)?.over(&[])?.finite()?;
+        let kinematic = Rows::read("kinematic", kinematic, length)?.over(&[])?.finite()?;
+        let covariance = Rows::read("covariance", covariance, length)?.over(&[length])?.finite()?;
         let mut slip = Output::fresh(py, &[length])?;
         for (k, slip) in slip.flat().iter_mut().enumerate() {
             *slip = navigated.flat()[k] - kinematic.flat()[k];

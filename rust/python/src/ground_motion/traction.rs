@@ -6,7 +6,7 @@ use six_wheel_ground_motion::{Drives, Driving, Lift, Turns, traction_rows};
 use six_wheel_terrain::suspension::MAX_WHEELS;
 
 use super::results::{Columns, array};
-use crate::convert::{Out, Rows, compute_rows, given, joined, memory, named, refuse, scalar_or_array, together};
+use crate::convert::{Out, Rows, compute_rows, joined, memory, refuse, scalar_or_array, together};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
@@ -53,8 +53,8 @@ fn read_turn<'py>(
     yaw_rate: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<(bool, Rows<'py>)> {
     match (curvature, yaw_rate) {
-        (Some(curvature), None) => Ok((true, Rows::read_finite_numbers("curvature", curvature)?)),
-        (None, Some(yaw_rate)) => Ok((false, Rows::read_finite_numbers("yaw_rate", yaw_rate)?)),
+        (Some(curvature), None) => Ok((true, Rows::read_numbers("curvature", curvature)?.finite()?)),
+        (None, Some(yaw_rate)) => Ok((false, Rows::read_numbers("yaw_rate", yaw_rate)?.finite()?)),
         (Some(_), Some(_)) => Err(refuse("curvature", "be None where yaw_rate is given", "both")),
         (None, None) => Err(refuse("curvature", "be given, or yaw_rate", "neither")),
     }
@@ -124,25 +124,14 @@ methods! { Suspension:
         out=None, threads: Option<i64> = None, level: Option<&str> = None) -> PyResult<Traction> {
         let chain = &self.chain;
         let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
-        let mut turning = Rows::read_finite("angular_velocity", angular_velocity, 3)?;
-        let mut angles = Rows::read_finite("joints", joints, free)?;
-        let mut rates = Rows::read_finite("joint_rates", joint_rates, free)?;
-        let finite = |name, value: Option<&Bound<'py, PyAny>>, width| {
-            value.map(|value| Rows::read_finite(name, value, width)).transpose()
-        };
-        let mut present = finite("steering", steering, steered)?;
-        let mut measured = finite("wheel_speeds", wheel_speeds, wheels)?;
-        let mut speed = Rows::read_finite_numbers("speed", speed)?;
+        let mut turning = Rows::read("angular_velocity", angular_velocity, 3)?.finite()?;
+        let mut angles = Rows::read("joints", joints, free)?.finite()?;
+        let mut rates = Rows::read("joint_rates", joint_rates, free)?.finite()?;
+        let mut present = Rows::read_optional("steering", steering, steered)?.map(Rows::finite).transpose()?;
+        let mut measured = Rows::read_optional("wheel_speeds", wheel_speeds, wheels)?.map(Rows::finite).transpose()?;
+        let mut speed = Rows::read_numbers("speed", speed)?.finite()?;
         let (curved, mut turn) = read_turn(curvature, yaw_rate)?;
-        let numbers = [
-            named("angular_velocity", &mut turning),
-            named("joints", &mut angles),
-            named("joint_rates", &mut rates),
-            named("speed", &mut speed),
-            named(if curved { "curvature" } else { "yaw_rate" }, &mut turn),
-        ];
-        let numbers = numbers.into_iter().chain(given("steering", &mut present));
-        let leading = together(numbers.chain(given("wheel_speeds", &mut measured)))?;
+        let leading = together([&mut turning, &mut angles, &mut rates, &mut speed, &mut turn, &mut present, &mut measured])?;
         let count = turning.count();
         let lift = read_lift(lift_angle, lift_speed)?;
         let workers = any_workers(threads, level)?;

@@ -70,12 +70,10 @@ pub fn settings(
 }
 
 /// A number for every wheel: all of them in their order, or some by name, the others 1.
-pub fn by_wheel(argument: &str, value: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<f64>> {
+pub fn by_wheel(argument: &'static str, value: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<f64>> {
     let Some(value) = value else { return Ok(Vec::new()) };
     let Ok(mapping) = value.cast::<PyMapping>() else {
-        let numbers = Rows::read_numbers(argument, value)?;
-        numbers.check_leading(argument, &[names.len()])?;
-        return Ok(numbers.flat().to_vec());
+        return Ok(Rows::read_numbers(argument, value)?.over(&[names.len()])?.flat().to_vec());
     };
     by_name(argument, mapping, names, 1.0, |one| number(argument, one))
 }
@@ -104,13 +102,10 @@ pub fn deviations(value: Option<&Bound<'_, PyAny>>, wheels: usize) -> PyResult<D
     let Some(value) = value else { return Ok(Deviations::default()) };
     let rows = Rows::read("dimensions", value, NUMBERS)?;
     match rows.leading.as_slice() {
-        [0, _] => return Ok(Deviations::default()),
-        [_, each] if *each == wheels => rows.check_finite("dimensions")?,
-        _ => {
-            return Err(rows.refuse_shape("dimensions", format!("(k, {wheels}, {NUMBERS})")));
-        }
+        [0, _] => Ok(Deviations::default()),
+        [_, each] if *each == wheels => Deviations::new(rows.finite()?.flat(), wheels).or_raise(&[]),
+        _ => Err(rows.refuse_shape(format!("(k, {wheels}, {NUMBERS})"))),
     }
-    Deviations::new(rows.flat(), wheels).or_raise(&[])
 }
 
 /// A covariance, zero if it is left out: variances or a matrix of the numbers at one of these lists of places, of which `rule`
@@ -170,7 +165,7 @@ pub fn variances<'py>(
 /// Readings of the steering joints over these leading axes; None for rovers that do not steer.
 pub fn steering<'py>(value: &Bound<'py, PyAny>, joints: usize, leading: &[usize]) -> PyResult<Option<Rows<'py>>> {
     match value.is_none() {
-        false => Rows::read_over("steering", value, joints, leading).map(Some),
+        false => Rows::read("steering", value, joints)?.over(leading).map(Some),
         true if joints == 0 => Ok(None),
         true => Err(refuse("steering", "hold the angles of the steered wheels", "None")),
     }
@@ -195,7 +190,7 @@ impl<'py> Columns<'py> {
     ) -> PyResult<Self> {
         // An impossible row ends the run, or is flagged.
         let is_strict = choice("errors", errors, |name| format!("'{name}'"), &[("flag", false), ("raise", true)])?;
-        let wheels = Rows::read_table("wheel_angles", wheels, widths[0])?;
+        let wheels = Rows::read("wheel_angles", wheels, widths[0])?.table()?;
         let leading = wheels.leading.as_slice();
         let steering = self::steering(steering, widths[1], leading)?;
         let stamps = column("stamps", stamps, leading)?;
@@ -203,7 +198,7 @@ impl<'py> Columns<'py> {
     }
 
     /// A column that may be left out.
-    pub fn optional(&self, argument: &str, value: Option<&Bound<'py, PyAny>>) -> PyResult<Option<Rows<'py>>> {
+    pub fn optional(&self, argument: &'static str, value: Option<&Bound<'py, PyAny>>) -> PyResult<Option<Rows<'py>>> {
         let read = |value| column(argument, value, &self.wheels.leading);
         value.map(read).transpose()
     }
@@ -215,9 +210,8 @@ impl<'py> Columns<'py> {
 }
 
 /// One number a row.
-pub fn column<'py>(argument: &str, value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<Rows<'py>> {
-    let column = Rows::read_numbers(argument, value)?;
-    column.check_leading(argument, leading).map(|()| column)
+pub fn column<'py>(argument: &'static str, value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<Rows<'py>> {
+    Rows::read_numbers(argument, value)?.over(leading)
 }
 
 /// The track of `six_wheel.kinematics.odometry` under this name.

@@ -174,7 +174,7 @@ methods! { Odometry3:
         yaw_rate: Option<f64> = None) -> PyResult<Odometry3State> {
         let [wheels, steered, free] = self.widths();
         let steering = super::input::steering(steering, steered, &[])?;
-        let wheels = Rows::read_one("wheel_angles", wheel_angles, wheels)?;
+        let wheels = Rows::read("wheel_angles", wheel_angles, wheels)?.over(&[])?;
         let joints = Rows::read_beside("joints", joints, free, &[])?;
         let attitude = attitude.map(input::attitude_of).transpose()?;
         let sample = Sample3 {

@@ -79,8 +79,8 @@ pub fn read_weights(given: &Bound<'_, PyDict>) -> PyResult<Weights> {
 
 /// Rows of two numbers, or of three; and how many they have.
 fn two_or_three<'py>(
-    read: impl Fn(&str, &Bound<'py, PyAny>, usize) -> PyResult<Rows<'py>>,
-    argument: &str,
+    read: impl Fn(&'static str, &Bound<'py, PyAny>, usize) -> PyResult<Rows<'py>>,
+    argument: &'static str,
     value: &Bound<'py, PyAny>,
 ) -> PyResult<(Rows<'py>, usize)> {
     let two = read(argument, value, 2).map(|rows| (rows, 2));
@@ -88,14 +88,13 @@ fn two_or_three<'py>(
 }
 
 /// Points of two coordinates, of rows with two or three.
-pub fn points(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
-    let (rows, width) = two_or_three(Rows::read_table, argument, value)?;
+pub fn points(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
+    let (rows, width) = two_or_three(|name, value, width| Rows::read(name, value, width)?.table(), argument, value)?;
     memory::gathered(rows.flat().chunks_exact(width).map(|row| [row[0], row[1]]))
 }
 
 /// A place of two coordinates, or a pose: its place and its yaw.
-pub fn pose_or_place(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<(Option<[f64; 2]>, Option<f64>)> {
-    let (row, _) = two_or_three(Rows::read, argument, value)?;
-    row.check_leading(argument, &[])?;
+pub fn pose_or_place(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<(Option<[f64; 2]>, Option<f64>)> {
+    let row = two_or_three(Rows::read, argument, value)?.0.over(&[])?;
     Ok((Some([row.flat()[0], row.flat()[1]]), row.flat().get(2).copied()))
 }

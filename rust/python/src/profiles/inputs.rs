@@ -11,12 +11,12 @@ use six_wheel_numerics::error::Error;
 use six_wheel_numerics::threads::workers::BETWEEN_CHECKS;
 
 use super::made::class;
-use crate::convert::{OrRaise, Rows, compute, is_interrupted, memory, refuse, refuse_shape, scalar_or_array};
+use crate::convert::{Name, OrRaise, Rows, compute, is_interrupted, memory, refuse, refuse_shape, scalar_or_array};
 use crate::rover::Rover;
 
 /// One row of numbers.
-pub fn row(argument: &str, value: &Bound<'_, PyAny>, width: usize) -> PyResult<Vec<f64>> {
-    let row = Rows::read_one(argument, value, width)?;
+pub fn row(argument: impl Into<Name>, value: &Bound<'_, PyAny>, width: usize) -> PyResult<Vec<f64>> {
+    let row = Rows::read(argument, value, width)?.over(&[])?;
     Ok(row.flat().iter().map(|number| number + 0.0).collect())
 }
 
@@ -83,7 +83,7 @@ pub fn states<'py>(
     times: &Bound<'py, PyAny>,
     at: impl Fn(f64, &mut Wheels<'_>) -> Option<Twist> + Sync,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let times = Rows::read_finite_numbers("times", times)?;
+    let times = Rows::read_numbers("times", times)?.finite()?;
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
     let rows = times.flat().len();
     let zeros = |width| memory::filled(0.0, memory::count(&[rows, width])?);
@@ -134,7 +134,7 @@ pub struct Values {
 }
 
 impl Values {
-    pub fn read(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
+    pub fn read(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
         let scalars = Rows::read_numbers(argument, value)?;
         match scalars.leading.as_slice() {
             [] | [_] if !scalars.flat().is_empty() => Ok(Self {
@@ -145,7 +145,7 @@ impl Values {
         }
     }
 
-    pub fn or(argument: &str, value: Option<&Bound<'_, PyAny>>, default: f64) -> PyResult<Self> {
+    pub fn or(argument: &'static str, value: Option<&Bound<'_, PyAny>>, default: f64) -> PyResult<Self> {
         value.map_or_else(|| Ok(Self { numbers: vec![default], is_vector: false }), |value| Self::read(argument, value))
     }
 

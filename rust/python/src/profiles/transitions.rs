@@ -160,8 +160,8 @@ fn modules(argument: &str, rover: &Rover, value: &Bound<'_, PyAny>) -> PyResult<
         .map_err(|_| refuse(argument, "be a pair (steering, wheel_speeds)", "something else"))?;
     match pair.as_slice() {
         [steering, speeds] => Ok((
-            row(&format!("{argument}[0]"), steering, rover.joints())?,
-            row(&format!("{argument}[1]"), speeds, rover.count())?,
+            row(format!("{argument}[0]"), steering, rover.joints())?,
+            row(format!("{argument}[1]"), speeds, rover.count())?,
         )),
         _ => Err(refuse(argument, "be a pair (steering, wheel_speeds)", format!("{} values", pair.len()))),
     }

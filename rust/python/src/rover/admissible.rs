@@ -93,7 +93,7 @@ methods! { Rover:
     as "($self, twist, *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
         one_twist("Rover.icr((vx, vy, omega))", 1, more)?;
         let workers = any_workers(threads, None)?;
-        let twists = Rows::read_finite("twist", twist, 3)?;
+        let twists = Rows::read("twist", twist, 3)?.finite()?;
         let mut centres = Output::asked(py, (out, dtype), &joined(&twists.leading, 2))?;
         let (rows, target) = (twists.triples(), centres.flat().as_chunks_mut().0);
         compute_rows(py, rows.len(), &twists.leading, || batch::fill(target, workers, |k| Twist::from(rows[k]).icr()))?;

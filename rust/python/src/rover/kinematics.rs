@@ -9,7 +9,7 @@ use six_wheel_numerics::threads::workers::Workers;
 
 use super::Rover;
 use crate::convert::{
-    AnyArray, Blocks, Out, Output, Precision, Rows, compute_rows, given, joined, named, one_twist, refuse, together,
+    AnyArray, Blocks, Out, Output, Precision, Rows, compute_rows, joined, one_twist, refuse, together,
 };
 use crate::unit_warnings::warn_units;
 use crate::workers::any_workers;
@@ -64,11 +64,10 @@ impl<'py> Tables<'py> {
 
     /// The same, row after row.
     pub fn flat(self) -> PyResult<Readings<'py>> {
-        let flat = |argument, blocks: Option<Blocks<'py>>| blocks.map(|blocks| blocks.flat(argument)).transpose();
         Ok(Readings {
-            steering: flat("steering", self.steering)?,
-            speeds: self.speeds.flat("wheel_speeds")?,
-            rates: flat("steering_rates", self.rates)?,
+            steering: self.steering.map(Blocks::flat).transpose()?,
+            speeds: self.speeds.flat()?,
+            rates: self.rates.map(Blocks::flat).transpose()?,
             leading: self.leading,
         })
     }
@@ -106,12 +105,7 @@ impl Rover {
             return Err(refuse("steering", "hold the angles of the steered wheels", "None"));
         }
         let mut rates = Blocks::read_optional("steering_rates", steering_rates, self.joints())?;
-        let all = [
-            Some(named("wheel_speeds", &mut speeds)),
-            given("steering", &mut angles),
-            given("steering_rates", &mut rates),
-        ];
-        let leading = together(all.into_iter().flatten())?;
+        let leading = together([&mut speeds, &mut angles, &mut rates])?;
         if let Some(angles) = &angles {
             let asked = units::angles(&self.core, angles.table(), angles.count());
             warn_units(py, asked)?;
@@ -173,16 +167,9 @@ methods! { Rover:
         let mut previous = Blocks::read_optional("previous", previous, self.joints())?;
         let mut rates = Blocks::read_optional("steering_rates", steering_rates, self.joints())?;
         let mut rolling = Blocks::read_optional("previous_wheel_speeds", previous_wheel_speeds, self.count())?;
-        let all = [
-            Some(named("twist", &mut twists)),
-            // One for all rows stays one.
-            given("centre", &mut centres).filter(|(_, centres)| !centres.leading().is_empty()),
-            given("previous", &mut previous),
-            given("steering_rates", &mut rates),
-            given("previous_wheel_speeds", &mut rolling),
-        ];
-        let leading = together(all.into_iter().flatten())?;
-        centres.as_ref().map_or(Ok(()), |centres| centres.check_finite("centre"))?;
+        let one = centres.take_if(|centres| centres.is_single()); // for all rows
+        let leading = together([&mut twists, &mut centres, &mut previous, &mut rates, &mut rolling])?;
+        let centres = one.or(centres).map(Rows::finite).transpose()?;
         let about = centres.as_ref().map(|centres| ReferencePoint { twists: twists.table(), centres: centres.pairs() });
         let out = Out::read_all(out, ["out[0]", "out[1]"], "be a pair of arrays (steering, wheel_speeds)")?;
         for (k, input) in [&mut previous, &mut rolling].into_iter().enumerate() {

@@ -19,7 +19,7 @@ use per_wheel::PerWheel;
 
 /// Positions, one row per wheel.
 pub fn positions(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
-    let rows = Rows::read_table("positions", value, 2)?;
+    let rows = Rows::read("positions", value, 2)?.table()?;
     memory::gathered(rows.pairs().iter().copied())
 }
 

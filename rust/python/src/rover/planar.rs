@@ -26,7 +26,7 @@ impl RockerBogie {
     ///     If an angle is not finite or a shape does not fit.
     #[pyo3(signature = (joints=None), text_signature = "($self, joints=(0.0, 0.0, 0.0))")]
     fn planar(&self, py: Python<'_>, joints: Option<&Bound<'_, PyAny>>) -> PyResult<Rover> {
-        let joints = joints.map(|joints| Rows::read("joints", joints, 3)).transpose()?;
+        let joints = Rows::read_optional("joints", joints, 3)?;
         if let Some(rows) = joints.as_ref().filter(|rows| !rows.is_single()) {
             return Err(refuse_shape("joints", "be one row of shape (3,)", &rows.shape()));
         }

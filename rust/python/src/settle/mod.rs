@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::ground::{self, Settler, Status};
 
-use crate::convert::{Rows, compute, memory, named, raise, read_point, together};
+use crate::convert::{Rows, compute, memory, raise, read_point, together};
 use crate::fastcall::{self, Answer, Arguments, three};
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
@@ -21,7 +21,7 @@ pub fn read_steering(value: Option<&Bound<'_, PyAny>>, joints: usize, poses: &mu
     let Some(value) = value else { return Ok(Vec::new()) };
     let mut rows = Rows::read("steering", value, joints)?;
     if !rows.is_single() {
-        together([named("poses", poses), named("steering", &mut rows)])?;
+        together([poses, &mut rows])?;
     }
     memory::gathered(rows.flat().iter().copied())
 }

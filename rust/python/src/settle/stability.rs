@@ -176,7 +176,7 @@ methods! { RockerBogie:
         check_map_error(map_error)?;
         this.bounds_constants(belly, None).or_raise(&[])?; // as `bounds` fails with this belly
         let allowed = allowed(py, limits)?;
-        let poses = Rows::read_finite("poses", poses, 3)?;
+        let poses = Rows::read("poses", poses, 3)?.finite()?;
         let workers = any_workers(threads, None)?;
         let (rows, ground, leading) = (poses.triples(), &*ground.get().0, &poses.leading);
         let settler = Settler::new(ground, this.0.chain());

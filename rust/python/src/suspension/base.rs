@@ -203,7 +203,7 @@ methods! { Suspension:
     fn rigid[py: Python<'py>](centres, wheel_radius: f64, *, names: native Option<Vec<String>> = None,
         steered: native Vec<usize> = (Vec::new()), steering_limit=None, **)
     as "(centres, wheel_radius, *, names=None, steered=(), steering_limit=None)" -> PyResult<Self> {
-        let rows = Rows::read_table("centres", centres, 3)?;
+        let rows = Rows::read("centres", centres, 3)?.table()?;
         let range = steering(py, steering_limit)?;
         let count = rows.count();
         let numbered = || (1..=count).map(|wheel| format!("wheel_{wheel}")).collect();

@@ -8,7 +8,7 @@ use six_wheel_numerics::error::{Error, bounded, not_negative};
 use six_wheel_terrain::bounds::{self as core, Belly, BoundStatus, BoundsConstants, Ground, Margins, TiltLimits};
 
 use super::rocker_bogie::RockerBogie;
-use crate::convert::{OrRaise, Out, Rows, compute_rows, joined, memory, named, refuse, scalar_or_array, together};
+use crate::convert::{OrRaise, Out, Rows, compute_rows, joined, memory, refuse, scalar_or_array, together};
 use crate::terrain::Terrain;
 use crate::workers::any_workers;
 
@@ -179,10 +179,10 @@ methods! { RockerBogie:
         out=None, threads: Option<i64> = None, level: Option<&str> = None) -> PyResult<PoseBounds> {
         check_map_error(map_error)?;
         let plans = self.bounds_constants(belly, within).or_raise(&[])?;
-        let mut poses = Rows::read_finite("poses", poses, 3)?;
+        let mut poses = Rows::read("poses", poses, 3)?.finite()?;
         let mut yaw = sizes(py, "yaw_margin", yaw_margin)?;
         let mut position = sizes(py, "position_margin", position_margin)?;
-        together([named("poses", &mut poses), named("yaw_margin", &mut yaw), named("position_margin", &mut position)])?;
+        together([&mut poses, &mut yaw, &mut position])?;
         let leading = poses.leading.as_slice();
         let (yaw, position) = (yaw.flat(), position.flat());
         let workers = any_workers(threads, level)?;

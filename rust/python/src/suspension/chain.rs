@@ -7,7 +7,7 @@ use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::{self as core, FRAMES, RockerBogie as Core, WHEELS};
 
 use super::rocker_bogie::RockerBogie;
-use crate::convert::{Output, Rows, compute_rows, given, memory, named, together};
+use crate::convert::{Output, Rows, compute_rows, memory, together};
 use crate::workers::any_workers;
 
 /// The angle of the left rocker and those of the bogies.
@@ -43,7 +43,7 @@ impl RockerBogie {
         let (joints, steering) = angles;
         let mut joints = Rows::read("joints", joints, 3)?;
         let mut steering = Rows::read_optional("steering", steering, self.steered().len())?;
-        let leading = together([named("joints", &mut joints)].into_iter().chain(given("steering", &mut steering)))?;
+        let leading = together([&mut joints, &mut steering])?;
         let rows = with_steering(&joints, steering.as_ref(), self.steered().len())?;
         let shape: Vec<usize> = [names.len()].into_iter().chain(leading.iter().copied()).chain(last).collect();
         let mut block = Output::fresh(py, &shape)?;

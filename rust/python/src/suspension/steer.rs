@@ -6,7 +6,7 @@ use six_wheel_terrain::suspension::WHEELS;
 
 use super::chain::rocker_and_bogies;
 use super::rocker_bogie::RockerBogie;
-use crate::convert::{Output, Results, Rows, given, joined, memory, named, scalar_or_array, together};
+use crate::convert::{Output, Results, Rows, joined, memory, scalar_or_array, together};
 use crate::workers::{any_workers, fill_rows};
 
 result_class! {
@@ -97,15 +97,11 @@ methods! { RockerBogie:
         let workers = any_workers(threads, None)?;
         let steered = self.steered().len();
         let mut joints = Rows::read("joints", joints, 3)?;
-        let mut speeds = Rows::read_finite_numbers("speed", speed)?;
-        let mut yaw_rates = Rows::read_finite_numbers("yaw_rate", yaw_rate)?;
+        let mut speeds = Rows::read_numbers("speed", speed)?.finite()?;
+        let mut yaw_rates = Rows::read_numbers("yaw_rate", yaw_rate)?.finite()?;
         let mut previous = Rows::read_optional("previous", previous, steered)?;
         let mut rolling = Rows::read_optional("previous_wheel_speeds", previous_wheel_speeds, WHEELS.len())?;
-        let all = [named("joints", &mut joints), named("speed", &mut speeds), named("yaw_rate", &mut yaw_rates)]
-            .into_iter()
-            .chain(given("previous", &mut previous))
-            .chain(given("previous_wheel_speeds", &mut rolling));
-        let leading = together(all)?;
+        let leading = together([&mut joints, &mut speeds, &mut yaw_rates, &mut previous, &mut rolling])?;
         let (previous, rolling) = (previous.as_ref().map(Rows::flat), rolling.as_ref().map(Rows::flat));
         let (forward, yaw_rates, rows) = (speeds.steps(), yaw_rates.steps(), joints.triples());
         let unsteered = WHEELS.len() - steered;

@@ -72,8 +72,7 @@ impl Preintegrated {
             bounded(argument, &pose).or_raise(&[])?;
             return Ok(Motion3::planar(pose));
         }
-        let rows = Rows::read(argument, value, 4)?;
-        rows.check_leading(argument, &[4])?;
+        let rows = Rows::read(argument, value, 4)?.over(&[4])?;
         let matrix = std::array::from_fn(|row| rows.flat().as_chunks::<4>().0[row]);
         Motion3::from_matrix(argument, &matrix).or_raise(&[])
     }
@@ -102,8 +101,8 @@ impl Preintegrated {
             if given.len() != 1 && given.len() != columns.len() {
                 return Err(refuse("changes", format!("have 1 or {} numbers for {name}", columns.len()), given.len()));
             }
-            values.check_finite("changes")?;
-            let numbers = (0..columns.len()).map(|k| given[k.min(given.len() - 1)]).collect();
+            let values = values.finite()?;
+            let numbers = (0..columns.len()).map(|k| values.flat()[k.min(values.flat().len() - 1)]).collect();
             Ok(Change { name, columns, numbers })
         };
         changes.iter().map(change).collect()

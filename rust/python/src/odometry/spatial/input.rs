@@ -23,8 +23,7 @@ pub fn attitudes<'py>(value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<
         [_, width @ 2..=4] => *width,
         _ => return Err(refuse_shape("attitude", "have shape (n, 2), (n, 3) or (n, 4)", &shape)),
     };
-    let rows = Rows::read_over("attitude", value, width, leading)?;
-    Ok((rows, width))
+    Ok((Rows::read("attitude", value, width)?.over(leading)?, width))
 }
 
 /// A pose: six numbers, a matrix, or three in plan.

@@ -63,8 +63,7 @@ methods! { Rover:
     as "(positions, headings, wheel_radius, *, roller_angle=1.5707963267948966, names=None, scrub=0.0, trail=0.0)"
     -> PyResult<Self> {
         let positions = super::positions(positions)?;
-        let headings = Rows::read_finite_numbers("headings", headings)?;
-        headings.check_leading("headings", &[positions.len()])?;
+        let headings = Rows::read_numbers("headings", headings)?.finite()?.over(&[positions.len()])?;
         let given = PerWheel { scrub, trail, ..PerWheel::default() };
         given.fit(py, Core::omni(&positions, headings.flat(), names, wheel_radius, roller_angle))
     }
