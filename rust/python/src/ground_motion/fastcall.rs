@@ -2,8 +2,8 @@
 
 use pyo3::prelude::*;
 use six_wheel_ground_motion::{
-    BodyMotions, Command, Commands, Drives, Driving, Lift, ReadingRows, SettledPoses, Turns, View, forward_rows,
-    inverse_rows, traction_rows,
+    BodyMotions, Command, Commands, Drives, Driving, Lift, ReadingRows, Turns, View, forward_rows, inverse_rows,
+    traction_rows,
 };
 use six_wheel_numerics::error::LARGEST;
 use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
@@ -86,10 +86,6 @@ fn one_pose<'a>(this: Borrowed<'_, '_, Suspension>, stand: Object<'a, '_>) -> Op
     (stand.suspension.as_ptr() == this.as_ptr() && stand.leading.is_empty()).then_some(stand)
 }
 
-fn footings(stand: &Stand) -> SettledPoses<'_> {
-    SettledPoses::Settled { stands: &stand.stands, poses: &stand.poses, steering: &stand.steering }
-}
-
 fast_method!(InverseCall<2>: Suspension, c"inverse", [c"stand", c"command"], 2, inverse);
 
 #[inline(always)]
@@ -114,7 +110,6 @@ fn inverse<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, command]: Arguments
         scale: 1.0,
     };
     let how = Command { view: View::Body, offset: suspension.motion.offset, wheel_speed: f64::INFINITY };
-    let footings = footings(stand);
     let commands = Commands {
         steering: &mut one.steering[..one.steered],
         speeds: &mut one.speeds[..one.wheels],
@@ -123,7 +118,8 @@ fn inverse<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, command]: Arguments
         scales: std::slice::from_mut(&mut one.scale),
     };
     let workers = any_workers(None, None).ok()?;
-    inverse_rows(chain, &suspension.motion, &footings, &how, &[[speed, yaw_rate]], None, commands, workers).ok()?;
+    inverse_rows(chain, &suspension.motion, &stand.footings(), &how, &[[speed, yaw_rate]], None, commands, workers)
+        .ok()?;
     let command = Bound::new(py, GroundCommand(Columns::Single(one))).ok()?;
     Some(command.into_any())
 }
@@ -166,7 +162,7 @@ fn forward<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, steering, speeds]: 
     };
     let workers = any_workers(None, None).ok()?;
     let prepared = &suspension.motion;
-    forward_rows(chain, prepared, &footings(stand), &readings, motions, workers).ok()?;
+    forward_rows(chain, prepared, &stand.footings(), &readings, motions, workers).ok()?;
     let motion = Bound::new(py, GroundMotion(Columns::Single(one))).ok()?;
     Some(motion.into_any())
 }

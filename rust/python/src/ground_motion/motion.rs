@@ -146,7 +146,14 @@ methods! { Suspension:
         let mut measured = Rows::read_optional("joint_rates", joint_rates, joints)?;
         let mut turning = Rows::read_optional("angular_velocity", angular_velocity, 3)?;
         let mut steering_rates = Rows::read_optional("steering_rates", steering_rates, steered)?;
-        let leading = together([&mut stands, &mut speeds, &mut steering, &mut measured, &mut turning, &mut steering_rates])?;
+        let leading = together([
+            &mut stands,
+            &mut speeds,
+            &mut steering,
+            &mut measured,
+            &mut turning,
+            &mut steering_rates,
+        ])?;
         for rows in [&steering, &steering_rates].into_iter().flatten() {
             stands.check_finite(rows)?;
         }

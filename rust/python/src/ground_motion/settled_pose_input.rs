@@ -2,7 +2,6 @@
 
 use pyo3::prelude::*;
 use six_wheel_ground_motion::{SettledPoseInput, SettledPoses};
-use six_wheel_terrain::ground;
 use six_wheel_terrain::suspension::Chain;
 
 use crate::arguments::other_kind;
@@ -14,32 +13,26 @@ pub enum Stands<'py> {
     /// The numbers as they are.
     Settled(Bound<'py, Stand>),
     /// The same over more axes.
-    Repeated(Repeated),
+    Repeated(Box<Stand>),
     /// The numbers of its attributes.
     Told(Box<Attributes<'py>>),
 }
 
 /// Settled poses over more axes than they had.
-pub struct Repeated {
-    leading: Vec<usize>,
-    stands: Vec<ground::Stand>,
-    poses: Vec<[f64; 3]>,
-    steering: Vec<f64>,
-}
-
-impl Repeated {
-    fn new(stand: &Stand, leading: &[usize]) -> Self {
-        let rows = rows_over(&stand.leading, leading);
-        let one = stand.steering.is_empty() || stand.stands.len() * stand.angles(0).len() != stand.steering.len();
-        Self {
-            leading: leading.to_vec(),
-            stands: rows.iter().map(|&row| stand.stands[row]).collect(),
-            poses: rows.iter().map(|&row| stand.poses[row]).collect(),
-            steering: match one {
-                true => stand.steering.clone(),
-                false => rows.iter().flat_map(|&row| stand.angles(row)).copied().collect(),
-            },
-        }
+fn repeated(py: Python<'_>, stand: &Stand, leading: &[usize]) -> Stand {
+    let rows = rows_over(&stand.leading, leading);
+    let one = stand.steering.is_empty() || stand.stands.len() * stand.angles(0).len() != stand.steering.len();
+    Stand {
+        suspension: stand.suspension.clone_ref(py),
+        ground: stand.ground.clone(),
+        poses: rows.iter().map(|&row| stand.poses[row]).collect(),
+        steering: match one {
+            true => stand.steering.clone(),
+            false => rows.iter().flat_map(|&row| stand.angles(row)).copied().collect(),
+        },
+        stands: rows.iter().map(|&row| stand.stands[row]).collect(),
+        leading: leading.to_vec(),
+        derivatives: stand.derivatives,
     }
 }
 
@@ -114,26 +107,25 @@ impl<'py> Stands<'py> {
         rows.check_finite_where(|row| !self.stands(if single { 0 } else { row }))
     }
 
+    /// The numbers as they are, or those of the attributes.
+    fn known(&self) -> Result<&Stand, &Attributes<'py>> {
+        match self {
+            Self::Settled(stand) => Ok(stand.get()),
+            Self::Repeated(stand) => Ok(stand),
+            Self::Told(told) => Err(told),
+        }
+    }
+
     /// True if a pose stands.
     fn stands(&self, row: usize) -> bool {
-        match self {
-            Self::Repeated(repeated) => repeated.stands[row].status.stands(),
-            Self::Settled(stand) => stand.get().stands[row].status.stands(),
-            Self::Told(told) => !told.roll.flat()[row].is_nan(),
-        }
+        self.known().map_or_else(|told| !told.roll.flat()[row].is_nan(), |stand| stand.stands[row].status.stands())
     }
 
     /// As the core takes them.
     pub fn footings(&self) -> SettledPoses<'_> {
-        match self {
-            Self::Settled(stand) => {
-                let stand = stand.get();
-                SettledPoses::Settled { stands: &stand.stands, poses: &stand.poses, steering: &stand.steering }
-            }
-            Self::Repeated(Repeated { stands, poses, steering, .. }) => {
-                SettledPoses::Settled { stands, poses, steering }
-            }
-            Self::Told(told) => SettledPoses::Input(SettledPoseInput {
+        match self.known() {
+            Ok(stand) => stand.footings(),
+            Err(told) => SettledPoses::Input(SettledPoseInput {
                 roll: told.roll.flat(),
                 pitch: told.pitch.flat(),
                 transform: told.transform.flat().as_chunks().0,
@@ -153,11 +145,7 @@ impl Broadcast for Stands<'_> {
     }
 
     fn leading(&self) -> &[usize] {
-        match self {
-            Self::Settled(stand) => &stand.get().leading,
-            Self::Repeated(repeated) => &repeated.leading,
-            Self::Told(told) => &told.leading,
-        }
+        self.known().map_or_else(|told| &told.leading, |stand| &stand.leading)
     }
 
     fn shape_over(&self, leading: &[usize]) -> Vec<usize> {
@@ -170,7 +158,7 @@ impl Broadcast for Stands<'_> {
             return Ok(());
         }
         match self {
-            Self::Settled(stand) => *self = Self::Repeated(Repeated::new(stand.get(), leading)),
+            Self::Settled(stand) => *self = Self::Repeated(Box::new(repeated(stand.py(), stand.get(), leading))),
             Self::Repeated(_) => {}
             Self::Told(told) => {
                 let wheels = told.normals.leading.last().copied().unwrap_or_default();

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
+use six_wheel_ground_motion::SettledPoses;
 use six_wheel_kinematics::geometry::Direction;
 use six_wheel_terrain::ground::{self, Contact, DIMENSIONS, by_dimension, by_pose, rim_point};
 use six_wheel_terrain::suspension::{MAX_FREE, Placed, PlanPose};
@@ -49,6 +50,11 @@ impl Stand {
         let chain = &self.suspension.get().chain;
         let pose = PlanPose::from(self.poses[row]);
         self.stands[row].place(chain, &self.ground, pose, self.angles(row))
+    }
+
+    /// As calls of the core take them.
+    pub fn footings(&self) -> SettledPoses<'_> {
+        SettledPoses::Settled { stands: &self.stands, poses: &self.poses, steering: &self.steering }
     }
 
     fn wheels(&self) -> usize {
