@@ -6,7 +6,6 @@ use six_wheel_ground_motion::{
     traction_rows,
 };
 use six_wheel_numerics::error::LARGEST;
-use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
 use super::results::{Columns, CommandRow, GroundCommand, GroundMotion, MotionRow};
 use super::traction::{Traction, TractionRow};
@@ -47,15 +46,7 @@ fn traction<'py>(
     if !numbers.all(|number| number.is_finite()) {
         return None;
     }
-    let mut one = TractionRow {
-        wheels,
-        steered,
-        speeds: [0.0; MAX_WHEELS],
-        steering: [0.0; MAX_WHEELS],
-        contact_angles: [0.0; MAX_WHEELS],
-        lifted: [false; MAX_WHEELS],
-        vertical: 0.0,
-    };
+    let mut one = TractionRow { wheels, steered, ..TractionRow::default() };
     let driving = Driving {
         speed: &[speed],
         turning: if curved { Turns::Curvature(&[turn]) } else { Turns::YawRate(&[turn]) },
@@ -103,11 +94,8 @@ fn inverse<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, command]: Arguments
         wheels: chain.wheels().len(),
         joints: chain.joints().len(),
         steered: chain.steering().len(),
-        steering: [0.0; MAX_WHEELS],
-        speeds: [0.0; MAX_WHEELS],
-        twist: [[0.0; 6]],
-        joint_rates: [0.0; MAX_FREE],
         scale: 1.0,
+        ..CommandRow::default()
     };
     let how = Command { view: View::Body, offset: suspension.motion.offset, wheel_speed: f64::INFINITY };
     let commands = Commands {
@@ -140,13 +128,7 @@ fn forward<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, steering, speeds]: 
     if large || !steering.iter().all(|angle| angle.is_finite()) {
         return None;
     }
-    let mut one = MotionRow {
-        wheels,
-        joints: chain.joints().len(),
-        twist: [[0.0; 6]],
-        joint_rates: [0.0; MAX_FREE],
-        residual: [[0.0; 3]; MAX_WHEELS],
-    };
+    let mut one = MotionRow { wheels, joints: chain.joints().len(), ..MotionRow::default() };
     let readings = ReadingRows {
         steering: Some(steering),
         speeds,

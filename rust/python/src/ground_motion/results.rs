@@ -38,6 +38,7 @@ pub fn array<T: Element + Copy>(py: Python<'_>, values: &[T]) -> PyResult<Py<PyA
 pub struct GroundCommand(pub(super) Columns<5, CommandRow>);
 
 /// The numbers of one row.
+#[derive(Default)]
 pub struct CommandRow {
     pub wheels: usize,
     pub joints: usize,
@@ -94,6 +95,7 @@ impl GroundCommand {
 pub struct GroundMotion(pub(super) Columns<3, MotionRow>);
 
 /// The numbers of one row.
+#[derive(Default)]
 pub struct MotionRow {
     pub wheels: usize,
     pub joints: usize,

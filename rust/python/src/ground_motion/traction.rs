@@ -15,6 +15,7 @@ use crate::workers::any_workers;
 pub struct Traction(pub(super) Columns<5, TractionRow>);
 
 /// The numbers of one row.
+#[derive(Default)]
 pub struct TractionRow {
     pub wheels: usize,
     pub steered: usize,
