@@ -92,7 +92,6 @@ fn is_plain(heights: &Bound<'_, PyAny>) -> bool {
 }
 
 impl Terrain {
-    #[allow(clippy::too_many_arguments)] // each is a thing of its own
     /// Asks for the ground at every row, and writes what `width` numbers it gives; NaN where nothing is known.
     fn ask<'py>(
         &self,

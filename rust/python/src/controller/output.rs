@@ -3,7 +3,7 @@
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyType};
 use six_wheel_control::controller::{Controller, reason};
 
 use crate::rover::Rover;
@@ -53,17 +53,13 @@ impl ControllerOutput {
 
 /// The `Reason` of these bits: one object per value, as an enumeration has it.
 fn reason(py: Python<'_>, bits: u32) -> PyResult<Bound<'_, PyAny>> {
-    static CLASS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
     static KNOWN: PyOnceLock<Py<PyDict>> = PyOnceLock::new();
     let known = KNOWN.get_or_init(py, || PyDict::new(py).unbind()).bind(py);
     if let Some(found) = known.get_item(bits)? {
         return Ok(found);
     }
-    let class = CLASS.get_or_try_init(py, || {
-        let module = py.import("six_wheel.kinematics.controller")?;
-        module.getattr("Reason").map(Bound::unbind)
-    })?;
-    let made = class.bind(py).call1((bits,))?;
+    let made = CLASS.import(py, "six_wheel.kinematics.controller", "Reason")?.call1((bits,))?;
     known.set_item(bits, &made)?;
     Ok(made)
 }

@@ -5,7 +5,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple, PyType};
 
 use super::errors::{is_of_another_kind, refuse, refuse_type, short_repr};
 use super::memory;
@@ -153,17 +153,13 @@ pub fn singles(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Op
 
 /// Refuses masked arrays, whose masked numbers would be read like the others.
 pub fn refuse_masks(argument: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {
-    static MASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    static MASKED: PyOnceLock<Py<PyType>> = PyOnceLock::new();
     let py = value.py();
     if let Ok(array) = value.cast::<PyUntypedArray>() {
         if array.is_exact_instance_of::<PyUntypedArray>() {
             return Ok(());
         }
-        let masked = MASKED.get_or_try_init(py, || {
-            let module = py.import("numpy.ma")?;
-            PyResult::Ok(module.getattr("MaskedArray")?.unbind())
-        })?;
-        if value.is_instance(masked.bind(py))? {
+        if value.is_instance(MASKED.import(py, "numpy.ma", "MaskedArray")?)? {
             let got = "a masked array: fill it, or leave out what is masked";
             return Err(refuse_type(argument, "be without a mask", got));
         }

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyTuple, PyType};
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_planner::{Costs, rollout_cost};
 
@@ -80,10 +80,6 @@ methods! { Rover:
 
 /// The named tuple of five arrays.
 fn result<'py>(py: Python<'py>, arrays: Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
-    static RESULT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let class = RESULT.get_or_try_init(py, || {
-        let module = py.import("six_wheel.kinematics.objects.rollout_cost")?;
-        module.getattr("RolloutCost").map(Bound::unbind)
-    })?;
-    class.bind(py).call1(arrays)
+    static RESULT: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    RESULT.import(py, "six_wheel.kinematics.objects.rollout_cost", "RolloutCost")?.call1(arrays)
 }
