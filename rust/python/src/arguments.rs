@@ -169,6 +169,16 @@ impl<'a, 'py, T: ArgumentKind> FromArgument<'a, 'py> for Bound<'py, T> {
     }
 }
 
+/// A class that is taken as an argument: `argument_kind! { Class: KIND, REMEDY }`.
+macro_rules! argument_kind {
+    ($class:ident: $kind:literal $(, $remedy:expr)?) => {
+        impl crate::arguments::ArgumentKind for $class {
+            const KIND: &'static str = $kind;
+            $(const REMEDY: fn(&Bound<'_, PyAny>) -> String = $remedy;)?
+        }
+    };
+}
+
 /// The call of a constructor for a value that is a dict of its keywords, or the number of `keyword`.
 pub fn constructor_call(class: &str, keyword: &str, value: &Bound<'_, PyAny>) -> String {
     if value.is_instance_of::<PyDict>() {

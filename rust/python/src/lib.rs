@@ -3,6 +3,7 @@
 #![allow(clippy::too_many_arguments)] // they are keywords in Python
 #![recursion_limit = "512"] // of lists of parameters, which are read one token after the other
 
+#[macro_use]
 mod arguments;
 #[macro_use]
 mod classes;

@@ -23,7 +23,6 @@ use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::units::{self, UnitSuspicion};
 use six_wheel_terrain::suspension::{RockerBogie as Arm, WHEELS};
 
-use crate::arguments::ArgumentKind;
 use crate::classes::{reduce, repr_of_call};
 use crate::convert::{OrRaise, items, ready, refuse, refuse_type, short_repr};
 use crate::suspension::{RockerBogie, Suspension};
@@ -223,21 +222,16 @@ fn listed(suspicions: Vec<UnitSuspicion>) -> Vec<(&'static str, String, String)>
     suspicions.into_iter().map(|odd| (odd.argument, odd.finding, odd.explanation)).collect()
 }
 
-impl ArgumentKind for Rover {
-    const KIND: &'static str = "a Rover";
-    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |value| {
-        if value.is_instance_of::<Suspension>() {
-            return "its planar(...), the rover seen from above".into();
-        }
-        match value.extract::<String>() {
-            Ok(name) if PRESETS.iter().any(|preset| preset.name == name) => {
-                format!("sw.Rover.preset({name:?})")
-            }
-            Ok(_) => "sw.load(...) of a file, or sw.Rover.preset(...) of one of Rover.presets()".into(),
-            Err(_) => "one that sw.Rover makes, or sw.load(...) of a file".into(),
-        }
-    };
-}
+argument_kind! { Rover: "a Rover", |value| {
+    if value.is_instance_of::<Suspension>() {
+        return "its planar(...), the rover seen from above".into();
+    }
+    match value.extract::<String>() {
+        Ok(name) if PRESETS.iter().any(|preset| preset.name == name) => format!("sw.Rover.preset({name:?})"),
+        Ok(_) => "sw.load(...) of a file, or sw.Rover.preset(...) of one of Rover.presets()".into(),
+        Err(_) => "one that sw.Rover makes, or sw.load(...) of a file".into(),
+    }
+} }
 
 getters! { Rover, self, py:
     /// The wheels, in the order of every array: ``wheels[0]`` or, by name, ``wheels["front_left"]``.

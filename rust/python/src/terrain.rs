@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 use six_wheel_terrain::terrain::{Heights, Interpolation, Sample, Terrain as Core, normal};
 
-use crate::arguments::{ArgumentKind, shown};
+use crate::arguments::shown;
 use crate::classes::hash_of_numbers;
 use crate::convert::{
     OrRaise, Output, OutputOptions, Rows, memory, pair, pair_or_one, read_array, refuse_shape, scalar_or_array, singles,
@@ -158,13 +158,10 @@ impl Terrain {
     }
 }
 
-impl ArgumentKind for Terrain {
-    const KIND: &'static str = "a Terrain";
-    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |value| match value.is_instance_of::<PyString>() {
-        true => format!("sw.Terrain.read({})", shown(value)),
-        false => "sw.Terrain(heights, spacing=...)".into(),
-    };
-}
+argument_kind! { Terrain: "a Terrain", |value| match value.is_instance_of::<PyString>() {
+    true => format!("sw.Terrain.read({})", shown(value)),
+    false => "sw.Terrain(heights, spacing=...)".into(),
+} }
 
 getters! { Terrain, self, py:
     /// Number of rows and of columns.

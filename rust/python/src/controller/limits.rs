@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use six_wheel_control::controller::Limits as Core;
 use six_wheel_kinematics::units;
 
-use crate::arguments::{ArgumentKind, FromArgument, constructor_call};
+use crate::arguments::{FromArgument, constructor_call};
 use crate::classes::repr_of_numbers;
 use crate::convert::OrRaise;
 use crate::rover::Rover;
@@ -63,10 +63,7 @@ impl Limits {
     }
 }
 
-impl ArgumentKind for Limits {
-    const KIND: &'static str = "Limits";
-    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |value| constructor_call("Limits", "speed", value);
-}
+argument_kind! { Limits: "Limits", |value| constructor_call("Limits", "speed", value) }
 
 impl<'a, 'py> FromArgument<'a, 'py> for Limits {
     fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {

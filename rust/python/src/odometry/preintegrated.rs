@@ -12,7 +12,6 @@ use six_wheel_odometry::{Preintegrated as Core, Recording, Settings};
 
 use super::input::{column, settings, steering};
 use super::values::{Gyroscope, Noise};
-use crate::arguments::ArgumentKind;
 use crate::convert::{OrRaise, Rows, choice, compute, is_interrupted, number, raise, refuse};
 use crate::rover::Rover;
 use crate::state_lock::Shared;
@@ -82,9 +81,7 @@ struct Work {
     replayed: Option<PreintegratedMotion>,
 }
 
-impl ArgumentKind for Preintegrated {
-    const KIND: &'static str = "a Preintegrated";
-}
+argument_kind! { Preintegrated: "a Preintegrated" }
 
 getters! { Preintegrated, self, py:
     /// Name of the tangent space of `covariance`, `residual` and all derivatives.

@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use six_wheel_kinematics::units;
 use six_wheel_odometry::{Encoder as CoreEncoder, Gyroscope as CoreGyroscope, Noise as CoreNoise};
 
-use crate::arguments::{ArgumentKind, constructor_call};
+use crate::arguments::constructor_call;
 use crate::convert::OrRaise;
 use crate::rover::Rover;
 use crate::unit_warnings::warn_units;
@@ -79,10 +79,7 @@ impl Noise {
     }
 }
 
-impl ArgumentKind for Noise {
-    const KIND: &'static str = "a Noise";
-    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |value| constructor_call("Noise", "speed", value);
-}
+argument_kind! { Noise: "a Noise", |value| constructor_call("Noise", "speed", value) }
 
 getters! { Noise, self, py:
     /// Of every wheel's rim speed over one step [m/s].
@@ -280,10 +277,7 @@ impl Gyroscope {
     }
 }
 
-impl ArgumentKind for Gyroscope {
-    const KIND: &'static str = "a Gyroscope";
-    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |value| constructor_call("Gyroscope", "noise", value);
-}
+argument_kind! { Gyroscope: "a Gyroscope", |value| constructor_call("Gyroscope", "noise", value) }
 
 getters! { Gyroscope, self, py:
     /// Standard deviation of a reading [rad/s].

@@ -6,7 +6,6 @@ use pyo3::types::PyDict;
 use six_wheel_kinematics::geometry::GridPlacement;
 use six_wheel_planner::Costmap as Core;
 
-use crate::arguments::ArgumentKind;
 use crate::convert::{OrRaise, pair, pair_or_one, refuse_shape, refuse_type};
 
 /// Costs on a grid, for a planner.
@@ -43,10 +42,7 @@ pub struct Costmap {
     pub frame: Option<String>,
 }
 
-impl ArgumentKind for Costmap {
-    const KIND: &'static str = "a Costmap";
-    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| "sw.Costmap(costs, spacing=...)".into();
-}
+argument_kind! { Costmap: "a Costmap", |_| "sw.Costmap(costs, spacing=...)".into() }
 
 getters! { Costmap, self, py:
     /// Distance between cells, along x and along y [m].

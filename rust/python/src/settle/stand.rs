@@ -11,7 +11,6 @@ use six_wheel_terrain::ground::{self, Contact, DIMENSIONS, by_dimension, by_pose
 use six_wheel_terrain::suspension::{MAX_FREE, Placed, PlanPose};
 use six_wheel_terrain::terrain::Terrain;
 
-use crate::arguments::ArgumentKind;
 use crate::convert::{Array, OrRaise, Output, memory, scalar_or_array};
 use crate::suspension::{RockerBogie, Suspension};
 
@@ -134,10 +133,7 @@ impl Stand {
     }
 }
 
-impl ArgumentKind for Stand {
-    const KIND: &'static str = "a SettledPose";
-    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| "what settle(...) has returned".into();
-}
+argument_kind! { Stand: "a SettledPose", |_| "what settle(...) has returned".into() }
 
 getters! { Stand, self, py:
     /// The ground it stands on.

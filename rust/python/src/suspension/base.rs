@@ -9,7 +9,6 @@ use six_wheel_kinematics::units;
 use six_wheel_numerics::error::Error;
 use six_wheel_terrain::suspension::{Chain, JointRange, TripleBogie};
 
-use crate::arguments::ArgumentKind;
 use crate::classes::{reduce, repr_of_call};
 use crate::convert::{OrRaise, Rows, choice, pair_or_one, refuse, shape_text};
 use crate::unit_warnings::warn_units;
@@ -76,10 +75,7 @@ fn pairs(steered: &str) -> PyResult<[bool; 3]> {
     choice("steered", steered, |name| format!("{name:?}"), &all)
 }
 
-impl ArgumentKind for Suspension {
-    const KIND: &'static str = "a Suspension, such as a RockerBogie";
-    const REMEDY: fn(&Bound<'_, PyAny>) -> String = |_| r#"one like sw.RockerBogie.preset("perseverance")"#.into();
-}
+argument_kind! { Suspension: "a Suspension, such as a RockerBogie", |_| r#"one like sw.RockerBogie.preset("perseverance")"#.into() }
 
 getters! { Suspension, self, py:
     /// Names of the wheels, in the order of every array.
