@@ -186,6 +186,17 @@ macro_rules! dict {
     (@ $name:ident = $value:expr) => { $value };
 }
 
+/// A value of the core in which these fields are as they were given, if they were.
+macro_rules! with_given {
+    ($usual:expr, $($field:ident)*) => {{
+        let mut value = $usual;
+        $(if let Some(given) = $field {
+            value.$field = given;
+        })*
+        value
+    }};
+}
+
 /// Pickling by the constructor of a class and its method for the keywords that make the value again.
 macro_rules! pickled_by_keywords {
     ($class:ident: $keywords:ident) => {

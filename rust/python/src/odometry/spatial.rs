@@ -127,12 +127,7 @@ methods! { Odometry3:
             history,
             ..settings(noise, (readings, increments), [wheel_encoders, steering_encoders], [&wheels, &steered])?
         };
-        let usual = Settings3::default();
-        let settings = Settings3 {
-            common,
-            attitude_noise: attitude_noise.unwrap_or(usual.attitude_noise),
-            joint_noise: joint_noise.unwrap_or(usual.joint_noise),
-        };
+        let settings = with_given!(Settings3 { common, ..Settings3::default() }, attitude_noise joint_noise);
         let map = ground.as_ref().map(|ground| ground.get().0.clone());
         let core = Core::new(chain.clone(), map, settings).or_raise(&[])?;
         Ok(Self { work: Shared::new(core), suspension: suspension.clone().unbind(), ground: ground.map(Bound::unbind) })

@@ -108,15 +108,7 @@ methods! { Noise:
     -> PyResult<Self> {
         let measured = [speed, steering, slip, side_slip].map(|value| value.is_some());
         let usual = if measured == [false; 4] { CoreNoise::default() } else { CoreNoise::READINGS };
-        let noise = CoreNoise {
-            speed: speed.unwrap_or(usual.speed),
-            steering: steering.unwrap_or(usual.steering),
-            slip: slip.unwrap_or(usual.slip),
-            side_slip: side_slip.unwrap_or(usual.side_slip),
-            yaw: yaw.unwrap_or(usual.yaw),
-            yaw_rate: yaw_rate.unwrap_or(usual.yaw_rate),
-            period,
-        };
+        let noise = with_given!(CoreNoise { period, ..usual }, speed steering slip side_slip yaw yaw_rate);
         noise.check().or_raise(&[])?;
         let noise = Self(noise, measured);
         warn_units(py, units::settings(noise.all()))?;
@@ -145,9 +137,7 @@ methods! { Noise:
     #[staticmethod]
     fn typical[](*, yaw: Option<f64> = None, yaw_rate: Option<f64> = None, period: Option<f64> = None, **)
     as "(*, yaw=0.0, yaw_rate=0.0, period=None)" -> PyResult<Self> {
-        let usual = CoreNoise::default();
-        let (yaw, yaw_rate) = (yaw.unwrap_or(usual.yaw), yaw_rate.unwrap_or(usual.yaw_rate));
-        let noise = CoreNoise { yaw, yaw_rate, period, ..usual };
+        let noise = with_given!(CoreNoise { period, ..CoreNoise::default() }, yaw yaw_rate);
         noise.check().or_raise(&[])?;
         Ok(Self(noise, [false; 4]))
     }
@@ -299,14 +289,7 @@ methods! { Gyroscope:
     fn new[](noise: Option<f64> = None, *, bias: Option<f64> = None, bias_noise: Option<f64> = None,
         bias_walk: Option<f64> = None, scale_noise: Option<f64> = None, **)
     as "(noise=0.005, *, bias=0.0, bias_noise=0.05, bias_walk=0.0001, scale_noise=0.0)" -> PyResult<Self> {
-        let usual = CoreGyroscope::default();
-        let known = CoreGyroscope {
-            noise: noise.unwrap_or(usual.noise),
-            bias: bias.unwrap_or(usual.bias),
-            bias_noise: bias_noise.unwrap_or(usual.bias_noise),
-            bias_walk: bias_walk.unwrap_or(usual.bias_walk),
-            scale_noise: scale_noise.unwrap_or(usual.scale_noise),
-        };
+        let known = with_given!(CoreGyroscope::default(), noise bias bias_noise bias_walk scale_noise);
         known.check().or_raise(&[])?;
         Ok(Self(known))
     }
