@@ -49,9 +49,7 @@ functions! {
         compute_rows(py, count, &[count], || batch::differentiate(rows, steps, target, workers))?;
         twists.finish_any()
     }
-}
 
-functions! {
     /// Pose of the body frame after holding a twist for `dt`: the exponential map of SE(2).
     ///
     /// Parameters
@@ -74,9 +72,7 @@ functions! {
     as "(twist, dt=1.0, *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
         over_time(py, ("twist", twist), dt, (out, dtype), threads, batch::Map::Exp)
     }
-}
 
-functions! {
     /// The twist that reaches a pose along one arc, turning the short way: the logarithm of SE(2).
     ///
     /// Parameters
@@ -160,9 +156,7 @@ functions! {
         })?;
         result.finish_any()
     }
-}
 
-functions! {
     /// Angles brought into [-pi, pi] by whole turns; unchanged if they are there already.
     ///
     /// Parameters

@@ -290,10 +290,7 @@ methods! { Odometry:
         })?;
         Ok(())
     }
-}
 
-#[pymethods]
-impl Odometry {
     /// Goes on from this pose; the readings count on from the last sample.
     ///
     /// Parameters
@@ -307,13 +304,15 @@ impl Odometry {
     /// ------
     /// ValueError
     ///     If a number is not finite, a shape does not fit, or a variance is negative.
-    #[pyo3(signature = (pose, covariance=None))]
-    fn set_pose(&self, py: Python<'_>, pose: &Bound<'_, PyAny>, covariance: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    fn set_pose[&self, py: Python<'py>](pose, covariance=None) -> PyResult<()> {
         let (pose, matrix) = (numbers("pose", pose)?, input::covariance(covariance)?);
         self.change(py, |core| core.set_pose(pose.into(), matrix))?;
         Ok(())
     }
+}
 
+#[pymethods]
+impl Odometry {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let state = Py::new(py, self.state(py)?)?;
         Ok(crate::classes::cut(format!("Odometry({})", state.bind(py).repr()?)))

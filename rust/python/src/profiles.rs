@@ -138,10 +138,7 @@ methods! { Profile:
             core::s_curve(start, end, duration, ramp.unwrap_or(duration / 2.0))
         })
     }
-}
 
-#[pymethods]
-impl Profile {
     /// Value and derivatives at one time or many.
     ///
     /// Before 0 it rests at the start and after its end at the end, without derivatives; at both instants
@@ -161,7 +158,7 @@ impl Profile {
     /// ------
     /// ValueError
     ///     If a time is not finite.
-    fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    fn at[&self, py: Python<'py>](times) -> PyResult<Bound<'py, PyAny>> {
         let times = Rows::read_numbers("times", times)?.finite()?;
         let width = self.core.width();
         let mut parts: [Vec<f64>; 4] = Default::default();

@@ -219,10 +219,7 @@ methods! { Controller:
         core.step(stamp, measured.as_ref().map(Rows::flat)).or_raise(&[])?;
         Ok(ControllerOutput::of(&core, self.rover.clone_ref(py)))
     }
-}
 
-#[pymethods]
-impl Controller {
     /// Forget command, clock, halt and fault.
     ///
     /// The body rests. The joints stay where they were last commanded, or start where the next step measures them: a reset
@@ -237,13 +234,15 @@ impl Controller {
     /// ------
     /// ValueError
     ///     If an angle is not finite or far outside its range, or the shape does not fit. Nothing is changed then.
-    #[pyo3(signature = (steering=None))]
-    fn reset(&self, py: Python<'_>, steering: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    fn reset[&self, py: Python<'py>](steering=None) -> PyResult<()> {
         let steering = Rows::read_beside("steering", steering, self.joints, &[])?;
         let result = self.core.lock(py)?.reset(steering.as_ref().map(Rows::flat));
         result.or_raise(&[])
     }
+}
 
+#[pymethods]
+impl Controller {
     /// Stop by `halt_deceleration` from the next step on, and stay at rest until `release`.
     ///
     /// The centre of rotation stays, joints that turn brake within their limits. Every step has the reason `HALTED`;

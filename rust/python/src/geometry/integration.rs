@@ -134,9 +134,7 @@ functions! {
         let course = Course::read(twists, dt, start)?;
         poses_along(py, &course, (out, dtype), (threads, level))
     }
-}
 
-functions! {
     /// Poses of a sampling planner's rollouts: `integrate` for many short logs that start from one pose.
     ///
     /// Parameters

@@ -92,8 +92,7 @@ result_class! {
     repr { slip statistic threshold probability slipping }
 }
 
-#[pymethods]
-impl BodySlip {
+methods! { BodySlip:
     /// The command for a wanted motion: less the slip where there is some, so that what comes of it is wanted.
     ///
     /// Parameters
@@ -113,7 +112,7 @@ impl BodySlip {
     ///
     /// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
     /// for a Mars rover in high-slip environments, IEEE Aerospace 2004.
-    fn compensate<'py>(&self, py: Python<'py>, wanted: &Bound<'py, PyAny>) -> PyResult<Py<PyAny>> {
+    fn compensate[&self, py: Python<'py>](wanted) -> PyResult<Py<PyAny>> {
         let slip = self.slip.bind(py);
         let slips = Rows::read("slip", slip, slip.len()?)?;
         let wanted = Rows::read("wanted", wanted, slip.len()?)?.over(&[])?.finite()?;

@@ -302,10 +302,7 @@ methods! { Odometry3:
         self.change(py, |core| core.start_over(pose, matrix))?;
         Ok(())
     }
-}
 
-#[pymethods]
-impl Odometry3 {
     /// Goes on from this pose; the readings count on from the last sample.
     ///
     /// Parameters
@@ -319,13 +316,15 @@ impl Odometry3 {
     /// ------
     /// ValueError
     ///     If a number is not finite, a shape does not fit, or a variance is negative.
-    #[pyo3(signature = (pose, covariance=None))]
-    fn set_pose(&self, py: Python<'_>, pose: &Bound<'_, PyAny>, covariance: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    fn set_pose[&self, py: Python<'py>](pose, covariance=None) -> PyResult<()> {
         let (pose, matrix) = (self::pose("pose", pose)?, self::covariance(covariance, 0.0)?);
         self.change(py, |core| core.set_pose(pose, matrix))?;
         Ok(())
     }
+}
 
+#[pymethods]
+impl Odometry3 {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let state = Py::new(py, self.state(py)?)?;
         Ok(crate::classes::cut(format!("Odometry3({})", state.bind(py).repr()?)))

@@ -96,9 +96,7 @@ methods! { Costmap:
         let core = Core::new(array.to_vec()?, [rows, columns], placement, lethal, outside);
         Ok(Self { core: core.or_raise(&[])?, frame })
     }
-}
 
-methods! { Costmap:
     #[staticmethod]
     /// Costs of an occupancy grid, as nav2 and ROS have it.
     ///

@@ -108,9 +108,7 @@ methods! { Rover:
         let every: Vec<usize> = (0..self.count()).collect();
         Ok((columns(&self.steering, self.core.steered())?, columns(&self.traction, &every)?))
     }
-}
 
-methods! { Rover:
     /// Wheel speeds slowed down by one factor, so that the fastest wheel is within its limit and the path stays.
     ///
     /// Parameters

@@ -1,12 +1,10 @@
 //! `Rover.urdf` and `Rover.save`.
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use super::Rover;
 
-#[pymethods]
-impl Rover {
+methods! { Rover:
     /// The text of a URDF from which `load` makes this rover again, and which viewers open.
     ///
     /// Parameters
@@ -25,8 +23,7 @@ impl Rover {
     /// ------
     /// ValueError
     ///     If a wheel is none that a URDF can hold: with rollers.
-    #[pyo3(signature = (name="rover"))]
-    fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
+    fn urdf[slf: &Bound<'py, Self>](name: native &str = "rover") -> PyResult<String> {
         let module = slf.py().import("six_wheel.robot_description.urdf")?;
         module.call_method1("rover_urdf", (slf, name))?.extract()
     }
@@ -44,8 +41,7 @@ impl Rover {
     /// ------
     /// ValueError
     ///     If no such file can say what this rover is, or the ending is none of these.
-    #[pyo3(signature = (path, **others))]
-    fn save(slf: &Bound<'_, Self>, path: &Bound<'_, PyAny>, others: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+    fn save[slf: &Bound<'py, Self>](path, **others) -> PyResult<()> {
         let module = slf.py().import("six_wheel.robot_description.saving")?;
         module.getattr("save_rover")?.call((slf, path), others).map(drop)
     }

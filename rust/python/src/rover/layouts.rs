@@ -213,10 +213,7 @@ methods! { Rover:
     as "(name, *, steering_limit=None)" -> PyResult<Self> {
         Self::named(py, presets::preset(name, steering_range(steering_limit)?))
     }
-}
 
-#[pymethods]
-impl Rover {
     /// Names of the published rovers, each with the source of its dimensions.
     ///
     /// Returns
@@ -224,7 +221,7 @@ impl Rover {
     /// dict of str to str
     ///     Name to source; iterates over the names.
     #[staticmethod]
-    fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    fn presets[py: Python<'py>]() -> PyResult<Bound<'py, PyDict>> {
         presets::PRESETS.iter().map(|preset| (preset.name, preset.source)).into_py_dict(py)
     }
 }

@@ -65,8 +65,7 @@ impl Mobility {
     }
 }
 
-#[pymethods]
-impl Rover {
+methods! { Rover:
     /// Mobility of the rover at given steering angles, from the rank of its constraints.
     ///
     /// Unsteered wheels on several axles count with their mean axle; wheels with rollers and castors constrain
@@ -89,8 +88,7 @@ impl Rover {
     ///     If an angle is not finite or the shape does not fit.
     ///
     /// Source: G. Campion, G. Bastin, B. d'Andrea-Novel, IEEE Transactions on Robotics and Automation 12(1), 1996.
-    #[pyo3(signature = (steering=None))]
-    fn mobility(&self, steering: Option<&Bound<'_, PyAny>>) -> PyResult<Mobility> {
+    fn mobility[&self](steering=None) -> PyResult<Mobility> {
         let steering = Rows::read_beside("steering", steering, self.joints(), &[])?;
         let mobility = self.core.mobility(steering.as_ref().map(Rows::flat));
         mobility.map(Mobility).or_raise(&[])

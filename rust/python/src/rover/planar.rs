@@ -6,8 +6,7 @@ use super::Rover;
 use crate::convert::{Rows, refuse_shape};
 use crate::suspension::{RockerBogie, rocker_and_bogies};
 
-#[pymethods]
-impl RockerBogie {
+methods! { RockerBogie:
     /// The rover seen from above: its wheels where the suspension puts their centres.
     ///
     /// Parameters
@@ -24,8 +23,7 @@ impl RockerBogie {
     /// ------
     /// ValueError
     ///     If an angle is not finite or a shape does not fit.
-    #[pyo3(signature = (joints=None), text_signature = "($self, joints=(0.0, 0.0, 0.0))")]
-    fn planar(&self, py: Python<'_>, joints: Option<&Bound<'_, PyAny>>) -> PyResult<Rover> {
+    fn planar[&self, py: Python<'py>](joints=None) as "($self, joints=(0.0, 0.0, 0.0))" -> PyResult<Rover> {
         let joints = Rows::read_optional("joints", joints, 3)?;
         if let Some(rows) = joints.as_ref().filter(|rows| !rows.is_single()) {
             return Err(refuse_shape("joints", "be one row of shape (3,)", &rows.shape()));

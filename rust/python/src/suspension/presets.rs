@@ -43,6 +43,18 @@ methods! { Suspension:
         let names = PRESETS.map(|preset| preset.name).join(", ");
         Err(refuse("name", format!("be one of {names}, {ZOE}"), format!("{name:?}")))
     }
+
+    /// Names of the published suspensions, each with the source of its dimensions.
+    ///
+    /// Returns
+    /// -------
+    /// dict of str to str
+    ///     Name to source; iterates over the names.
+    #[staticmethod]
+    fn presets[py: Python<'py>]() -> PyResult<Bound<'py, PyDict>> {
+        let all = PRESETS.iter().map(|preset| (preset.name, preset.source));
+        all.chain([(ZOE, ZOE_SOURCE)]).into_py_dict(py)
+    }
 }
 
 methods! { RockerBogie:
@@ -66,25 +78,7 @@ methods! { RockerBogie:
     as "(name)" -> PyResult<Py<Self>> {
         Self::named(py, Core::preset(name))
     }
-}
 
-#[pymethods]
-impl Suspension {
-    /// Names of the published suspensions, each with the source of its dimensions.
-    ///
-    /// Returns
-    /// -------
-    /// dict of str to str
-    ///     Name to source; iterates over the names.
-    #[staticmethod]
-    fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-        let all = PRESETS.iter().map(|preset| (preset.name, preset.source));
-        all.chain([(ZOE, ZOE_SOURCE)]).into_py_dict(py)
-    }
-}
-
-#[pymethods]
-impl RockerBogie {
     /// Names of the published rocker-bogies, each with the source of its dimensions.
     ///
     /// Returns
@@ -92,7 +86,7 @@ impl RockerBogie {
     /// dict of str to str
     ///     Name to source; iterates over the names.
     #[staticmethod]
-    fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    fn presets[py: Python<'py>]() -> PyResult<Bound<'py, PyDict>> {
         PRESETS.iter().map(|preset| (preset.name, preset.source)).into_py_dict(py)
     }
 }

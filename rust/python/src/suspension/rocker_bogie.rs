@@ -289,10 +289,7 @@ methods! { RockerBogie:
         let vectors = [rocker_pivot, rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle];
         Py::new(py, Self::read(py, Bogie::InFront, vectors, wheel_radius, steered, optional)?)
     }
-}
 
-#[pymethods]
-impl RockerBogie {
     /// The text of a URDF from which `load` makes a rover on this suspension, and which viewers open.
     ///
     /// Parameters
@@ -309,12 +306,14 @@ impl RockerBogie {
     /// ------
     /// TypeError
     ///     If the name is not a str.
-    #[pyo3(signature = (name="rover"))]
-    fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
+    fn urdf[slf: &Bound<'py, Self>](name: native &str = "rover") -> PyResult<String> {
         let module = slf.py().import("six_wheel.robot_description.urdf")?;
         module.call_method1("suspension_urdf", (slf, name))?.extract()
     }
+}
 
+#[pymethods]
+impl RockerBogie {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let preset = PRESETS.iter().find(|preset| Core::preset(preset.name).is_ok_and(|made| made == self.0));
         preset.map_or_else(
