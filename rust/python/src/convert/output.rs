@@ -67,14 +67,17 @@ pub struct Output<'py> {
 impl<'py> Output<'py> {
     /// A fresh array of this shape.
     pub fn fresh(py: Python<'py>, shape: &[usize]) -> PyResult<Self> {
-        let array = memory::fresh(py, shape)?;
-        Ok(Self {
-            data: data(&array),
-            count: memory::count(shape)?,
-            array: array.as_untyped().clone(),
-            beside: None,
-            held: None,
-        })
+        Self::with(memory::fresh(py, shape)?.as_untyped().clone(), None, None)
+    }
+
+    /// An array, and the one that is written to instead; without one it is contiguous and of `f64`.
+    fn with(
+        array: Bound<'py, PyUntypedArray>,
+        beside: Option<Array<'py>>,
+        held: Option<BorrowedArray>,
+    ) -> PyResult<Self> {
+        let data = data(beside.as_ref().map_or(&array, |beside| beside.as_untyped()));
+        Ok(Self { data, count: memory::count(array.shape())?, array, beside, held })
     }
 
     /// A result where `out=` says, or of the precision that `dtype=` says.
@@ -100,14 +103,7 @@ impl<'py> Output<'py> {
         }
         memory::count(shape)?;
         let zeros = numpy(py)?.call_method1(intern!(py, "zeros"), (shape.to_vec(), "f"))?;
-        let beside = memory::fresh(py, shape)?;
-        Ok(Self {
-            data: data(&beside),
-            count: memory::count(shape)?,
-            array: zeros.cast_into()?,
-            beside: Some(beside),
-            held: None,
-        })
+        Self::with(zeros.cast_into()?, Some(memory::fresh(py, shape)?), None)
     }
 
     /// Into the caller's array of `f64` or `f32`, checked. Every argument that is read has to be read before: what is in use
@@ -132,22 +128,9 @@ impl<'py> Output<'py> {
             return Err(refuse(argument, "not overlap itself", "shared memory"));
         }
         let held = memory::write(argument, rule, array)?;
-        let flat = flat.filter(|array| array.is_c_contiguous() && array.is_aligned());
-        let beside = match flat {
-            Some(_) => None,
-            None => Some(memory::fresh(py, shape)?),
-        };
-        Ok(Self {
-            data: match (&beside, flat) {
-                (Some(beside), _) => data(beside),
-                (None, Some(array)) => data(array),
-                (None, None) => return Err(refuse(argument, rule(), "another array")),
-            },
-            count: memory::count(shape)?,
-            array: array.clone(),
-            beside,
-            held: Some(held),
-        })
+        let is_flat = flat.is_some_and(|array| array.is_c_contiguous() && array.is_aligned());
+        let beside = if is_flat { None } else { Some(memory::fresh(py, shape)?) };
+        Self::with(array.clone(), beside, Some(held))
     }
 
     /// True if the caller does not see what a failing call has written: a fresh array, or one beside the caller's.
@@ -159,7 +142,7 @@ impl<'py> Output<'py> {
     pub fn beside(mut self) -> PyResult<Self> {
         if self.beside.is_none() {
             let beside = memory::fresh(self.array.py(), self.array.shape())?;
-            self.data = data(&beside);
+            self.data = data(beside.as_untyped());
             self.beside = Some(beside);
         }
         Ok(self)
@@ -218,7 +201,7 @@ fn rule(shape: &[usize]) -> String {
 }
 
 /// The address of the first number of an array.
-fn data(array: &Array<'_>) -> *mut f64 {
+fn data(array: &Bound<'_, PyUntypedArray>) -> *mut f64 {
     // SAFETY: a live array object has a valid header; only the address is taken here.
     unsafe { (*array.as_array_ptr().cast::<PyArrayObject>()).fields.data }.cast()
 }
