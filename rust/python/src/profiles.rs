@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_control::profiles as core;
 
-use crate::convert::{OrRaise, Rows, memory, scalar_or_array};
+use crate::convert::{OrRaise, Results, Rows, joined, scalar_or_array};
 use inputs::{Values, axes};
 use made::{ConstructorCall, class, known_by_its_call, printed_by_its_call};
 pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
@@ -161,25 +161,18 @@ methods! { Profile:
     fn at[&self, py: Python<'py>](times) -> PyResult<Bound<'py, PyAny>> {
         let times = Rows::read_numbers("times", times)?.finite()?;
         let width = self.core.width();
-        let mut parts: [Vec<f64>; 4] = Default::default();
-        let count = memory::count(&[times.flat().len(), width])?;
-        for part in &mut parts {
-            *part = memory::room(count)?;
-        }
-        for &time in times.flat() {
+        let shape = if self.is_vector { joined(&times.leading, width) } else { times.leading.clone() };
+        let mut results = Results::fresh(py, [(); 4].map(|()| shape.clone()))?;
+        let mut parts = results.flat();
+        for (k, &time) in times.flat().iter().enumerate() {
             for axis in 0..width {
-                let state = self.core.at(axis, time);
-                for (part, value) in parts.iter_mut().zip(state) {
-                    part.push(value);
+                for (part, value) in parts.iter_mut().zip(self.core.at(axis, time)) {
+                    part[k * width + axis] = value;
                 }
             }
         }
-        let mut shape = times.leading.clone();
-        if self.is_vector {
-            shape.push(width);
-        }
-        let [value, velocity, acceleration, jerk] = parts.map(|part| scalar_or_array(py, part, &shape));
-        class(py, "State")?.call1((value?, velocity?, acceleration?, jerk?))
+        let [value, velocity, acceleration, jerk] = results.finish()?;
+        class(py, "State")?.call1((value, velocity, acceleration, jerk))
     }
 }
 

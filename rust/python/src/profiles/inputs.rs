@@ -11,7 +11,9 @@ use six_wheel_numerics::error::Error;
 use six_wheel_numerics::threads::workers::BETWEEN_CHECKS;
 
 use super::made::class;
-use crate::convert::{Name, OrRaise, Rows, compute, is_interrupted, memory, refuse, refuse_shape, scalar_or_array};
+use crate::convert::{
+    Name, OrRaise, Results, Rows, compute, is_interrupted, joined, memory, refuse, refuse_shape, scalar_or_array,
+};
 use crate::rover::Rover;
 
 /// One row of numbers.
@@ -84,15 +86,12 @@ pub fn states<'py>(
     at: impl Fn(f64, &mut Wheels<'_>) -> Option<Twist> + Sync,
 ) -> PyResult<Bound<'py, PyAny>> {
     let times = Rows::read_numbers("times", times)?.finite()?;
-    let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
-    let rows = times.flat().len();
-    let zeros = |width| memory::filled(0.0, memory::count(&[rows, width])?);
-    let (mut steering, mut rates, mut accelerations) = (zeros(joints)?, zeros(joints)?, zeros(joints)?);
-    let mut speeds = zeros(wheels)?;
-    let mut twists: Vec<f64> = memory::room(memory::count(&[rows, 3])?)?;
-    let mut scrubs: Vec<f64> = memory::room(rows)?;
-    let flat = times.flat();
-    compute(py, rows, || {
+    let (joints, wheels, flat) = (rover.steered().len(), rover.wheels().len(), times.flat());
+    let widths = [3, joints, wheels, joints, joints];
+    let mut results = Results::fresh(py, widths.map(|width| joined(&times.leading, width)))?;
+    let [twists, steering, speeds, rates, accelerations] = results.flat();
+    let mut scrubs = memory::filled(0.0, flat.len())?;
+    compute(py, flat.len(), || {
         for (k, &time) in flat.iter().enumerate() {
             if k % BETWEEN_CHECKS == BETWEEN_CHECKS - 1 && is_interrupted() {
                 return Err(Error::interrupted());
@@ -106,25 +105,15 @@ pub fn states<'py>(
             };
             let commanded = at(time, &mut wheels);
             let (fitted, scrub) = wheels.scrub(rover)?;
-            twists.extend(<[f64; 3]>::from(commanded.unwrap_or(fitted)));
-            scrubs.push(scrub);
+            twists.as_chunks_mut().0[k] = <[f64; 3]>::from(commanded.unwrap_or(fitted));
+            scrubs[k] = scrub;
         }
         Ok(())
     })
     .or_raise(&[])?;
-    let array = |values: Vec<f64>, width: usize| {
-        let mut shape = times.leading.clone();
-        shape.push(width);
-        scalar_or_array(py, values, &shape)
-    };
-    class(py, "TransitionState")?.call1((
-        array(twists, 3)?,
-        array(steering, joints)?,
-        array(speeds, wheels)?,
-        array(rates, joints)?,
-        array(accelerations, joints)?,
-        scalar_or_array(py, scrubs, &times.leading)?,
-    ))
+    let [twists, steering, speeds, rates, accelerations] = results.finish_arrays()?;
+    let scrubs = scalar_or_array(py, scrubs, &times.leading)?;
+    class(py, "TransitionState")?.call1((twists, steering, speeds, rates, accelerations, scrubs))
 }
 
 /// One number, or one per axis.

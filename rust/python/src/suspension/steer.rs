@@ -6,7 +6,7 @@ use six_wheel_terrain::suspension::WHEELS;
 
 use super::chain::rocker_and_bogies;
 use super::rocker_bogie::RockerBogie;
-use crate::convert::{Output, Results, Rows, joined, memory, scalar_or_array, together};
+use crate::convert::{Output, Results, Rows, joined, together};
 use crate::workers::{any_workers, fill_rows};
 
 result_class! {
@@ -105,11 +105,10 @@ methods! { RockerBogie:
         let (previous, rolling) = (previous.as_ref().map(Rows::flat), rolling.as_ref().map(Rows::flat));
         let (forward, yaw_rates, rows) = (speeds.steps(), yaw_rates.steps(), joints.triples());
         let unsteered = WHEELS.len() - steered;
-        let widths = [steered, WHEELS.len(), unsteered];
-        let mut results = Results::fresh(py, widths.map(|width| joined(&leading, width)))?;
-        let [steering, wheel_speeds, scrub] = results.flat();
-        let mut radii = memory::filled(0.0, rows.len())?;
-        let targets = [(steering, steered), (wheel_speeds, WHEELS.len()), (scrub, unsteered), (&mut radii[..], 1)];
+        let [a, b, c] = [steered, WHEELS.len(), unsteered].map(|width| joined(&leading, width));
+        let mut results = Results::fresh(py, [a, b, c, leading.clone()])?;
+        let [steering, wheel_speeds, scrub, radii] = results.flat();
+        let targets = [(steering, steered), (wheel_speeds, WHEELS.len()), (scrub, unsteered), (radii, 1)];
         fill_rows(py, workers, rows.len(), &leading, targets, |k, [angles, speeds, scrubs, radius]| {
             let (rho, beta) = rocker_and_bogies(rows[k]);
             let row = |width: usize| k * width..(k + 1) * width;
@@ -125,7 +124,7 @@ methods! { RockerBogie:
             radius[0] = command.turning_radius;
             Ok(())
         })?;
-        let [steering, wheel_speeds, scrub] = results.finish_arrays()?;
-        Ok(SteeringCommand { turning_radius: scalar_or_array(py, radii, &leading)?, steering, wheel_speeds, scrub })
+        let [steering, wheel_speeds, scrub, turning_radius] = results.finish()?;
+        Ok(SteeringCommand { steering, wheel_speeds, turning_radius, scrub })
     }
 }
