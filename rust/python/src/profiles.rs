@@ -10,7 +10,7 @@ use pyo3::types::{PyDict, PyTuple};
 use six_wheel_control::profiles as core;
 
 use crate::convert::{OrRaise, Results, Rows, joined, scalar_or_array};
-use inputs::{Values, axes};
+use inputs::{axes, to_python, values};
 use made::{ConstructorCall, class, known_by_its_call, printed_by_its_call};
 pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
 
@@ -48,11 +48,11 @@ impl Profile {
         ramp: Option<f64>,
         shape: impl FnOnce(&[f64], &[f64], f64) -> Result<core::Profile, six_wheel_numerics::error::Error>,
     ) -> PyResult<Self> {
-        let ends = [("start", Values::read("start", start)?), ("end", Values::read("end", end)?)];
+        let ends = [values("start", start)?, values("end", end)?];
         let (count, is_vector) = axes(&ends)?;
-        let each = |k: usize| (0..count).map(|i| ends[k].1.of_axis(i)).collect::<Vec<_>>();
+        let each = |k: usize| (0..count).map(|i| ends[k].steps().get(i)).collect::<Vec<_>>();
         let core = shape(&each(0), &each(1), duration);
-        let (start, end) = (ends[0].1.to_python(py)?, ends[1].1.to_python(py)?);
+        let (start, end) = (to_python(py, &ends[0])?, to_python(py, &ends[1])?);
         let duration = duration.into_pyobject(py)?.into_any();
         let keywords = PyDict::new(py);
         if let Some(ramp) = ramp {

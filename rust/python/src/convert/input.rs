@@ -60,7 +60,7 @@ impl<'py> Rows<'py> {
     pub fn read_numbers(argument: impl Into<Name>, value: &Bound<'py, PyAny>) -> PyResult<Self> {
         let argument = argument.into();
         if let Ok(float) = value.cast::<PyFloat>() {
-            return Ok(Self { argument, data: Data::One(float.value()), leading: Vec::new(), last: None });
+            return Ok(Self::number(argument, float.value()));
         }
         let array = read_array(&argument, value)?;
         let mut numbers = Self::of(argument, &array, None)?;
@@ -69,6 +69,11 @@ impl<'py> Rows<'py> {
             numbers.data = Data::One(number);
         }
         Ok(numbers)
+    }
+
+    /// One number.
+    pub fn number(argument: impl Into<Name>, number: f64) -> Self {
+        Self { argument: argument.into(), data: Data::One(number), leading: Vec::new(), last: None }
     }
 
     /// Reads rows of one of two widths; `rule` has both.

@@ -12,7 +12,8 @@ use six_wheel_numerics::threads::workers::BETWEEN_CHECKS;
 
 use super::made::class;
 use crate::convert::{
-    Name, OrRaise, Results, Rows, compute, is_interrupted, joined, memory, refuse, refuse_shape, scalar_or_array,
+    Broadcast, Name, OrRaise, Results, Rows, compute, is_interrupted, joined, memory, refuse, refuse_shape,
+    scalar_or_array,
 };
 use crate::rover::Rover;
 
@@ -116,50 +117,34 @@ pub fn states<'py>(
     class(py, "TransitionState")?.call1((twists, steering, speeds, rates, accelerations, scrubs))
 }
 
-/// One number, or one per axis.
-pub struct Values {
-    pub numbers: Vec<f64>,
-    pub is_vector: bool,
+/// Reads one number, or one per axis.
+pub fn values<'py>(argument: &'static str, value: &Bound<'py, PyAny>) -> PyResult<Rows<'py>> {
+    let values = Rows::read_numbers(argument, value)?;
+    match values.leading.as_slice() {
+        [] | [_] if !values.flat().is_empty() => Ok(values),
+        shape => Err(refuse_shape(argument, "be one number or have shape (axes,)", shape)),
+    }
 }
 
-impl Values {
-    pub fn read(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let scalars = Rows::read_numbers(argument, value)?;
-        match scalars.leading.as_slice() {
-            [] | [_] if !scalars.flat().is_empty() => Ok(Self {
-                numbers: memory::gathered(scalars.flat().iter().copied())?,
-                is_vector: !scalars.leading.is_empty(),
-            }),
-            shape => Err(refuse_shape(argument, "be one number or have shape (axes,)", shape)),
-        }
-    }
-
-    pub fn or(argument: &'static str, value: Option<&Bound<'_, PyAny>>, default: f64) -> PyResult<Self> {
-        value.map_or_else(|| Ok(Self { numbers: vec![default], is_vector: false }), |value| Self::read(argument, value))
-    }
-
-    pub fn of_axis(&self, axis: usize) -> f64 {
-        self.numbers[if self.is_vector { axis } else { 0 }]
-    }
-
-    pub fn to_python<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        // Plus zero: no minus zero.
-        let numbers: Vec<f64> = self.numbers.iter().map(|number| number + 0.0).collect();
-        if self.is_vector {
-            Ok(PyTuple::new(py, numbers)?.into_any())
-        } else {
-            Ok(numbers[0].into_pyobject(py)?.into_any())
-        }
+/// The same for Python: a number, or a tuple.
+pub fn to_python<'py>(py: Python<'py>, values: &Rows<'_>) -> PyResult<Bound<'py, PyAny>> {
+    // Plus zero: no minus zero.
+    let numbers: Vec<f64> = values.flat().iter().map(|number| number + 0.0).collect();
+    if values.is_single() {
+        Ok(numbers[0].into_pyobject(py)?.into_any())
+    } else {
+        Ok(PyTuple::new(py, numbers)?.into_any())
     }
 }
 
 /// Number of axes of arguments that are one number or one per axis, and whether any is the latter.
-pub fn axes(values: &[(&str, Values)]) -> PyResult<(usize, bool)> {
+pub fn axes(values: &[Rows<'_>]) -> PyResult<(usize, bool)> {
     let mut count: Option<usize> = None;
-    for (argument, values) in values.iter().filter(|(_, values)| values.is_vector) {
-        let (known, own) = (count.unwrap_or(values.numbers.len()), values.numbers.len());
+    for values in values.iter().filter(|values| !values.is_single()) {
+        let (known, own) = (count.unwrap_or(values.count()), values.count());
         if known != own {
-            return Err(refuse(argument, format!("be one number or have shape ({known},)"), format!("shape ({own},)")));
+            let rule = format!("be one number or have shape ({known},)");
+            return Err(refuse(values.argument(), rule, format!("shape ({own},)")));
         }
         count = Some(own);
     }

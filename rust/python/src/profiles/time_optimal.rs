@@ -5,46 +5,39 @@ use pyo3::types::PyDict;
 use six_wheel_control::profiles::{self as core, AxisState, Bounds, Synchronise};
 
 use super::Profile;
-use super::inputs::{Values, axes};
-use crate::convert::{OrRaise, refuse};
+use super::inputs::{axes, to_python, values};
+use crate::convert::{Broadcast, OrRaise, Rows, refuse};
 
 /// Arguments by name, and as keywords where they differ from their defaults.
 struct Given<'py> {
     keywords: Bound<'py, PyDict>,
-    all: Vec<(&'static str, Values)>,
+    all: Vec<Rows<'py>>,
 }
 
-impl Given<'_> {
-    fn add(&mut self, argument: &'static str, values: Values) {
-        self.all.push((argument, values));
-    }
-
-    fn read(&mut self, argument: &'static str, value: Option<&Bound<'_, PyAny>>, default: f64) -> PyResult<()> {
-        let values = Values::or(argument, value, default)?;
-        if value.is_some() && (values.is_vector || values.numbers[0] != default) {
-            self.keywords.set_item(argument, values.to_python(self.keywords.py())?)?;
+impl<'py> Given<'py> {
+    fn read(&mut self, argument: &'static str, value: Option<&Bound<'py, PyAny>>, default: f64) -> PyResult<()> {
+        let values = value.map_or_else(|| Ok(Rows::number(argument, default)), |value| values(argument, value))?;
+        if value.is_some() && (!values.is_single() || values.flat()[0] != default) {
+            self.keywords.set_item(argument, to_python(self.keywords.py(), &values)?)?;
         }
-        self.add(argument, values);
+        self.all.push(values);
         Ok(())
     }
 
     /// Reads a lower limit. NaN stands for the mirror image of the upper one, so it may not come from outside.
-    fn read_mirrored(&mut self, argument: &'static str, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        let values = Values::or(argument, value, f64::NAN)?;
-        if value.is_some() {
-            if values.numbers.iter().any(|number| number.is_nan()) {
-                return Err(refuse(argument, "be negative", "nan"));
-            }
-            self.keywords.set_item(argument, values.to_python(self.keywords.py())?)?;
+    fn read_mirrored(&mut self, argument: &'static str, value: Option<&Bound<'py, PyAny>>) -> PyResult<()> {
+        self.read(argument, value, f64::NAN)?;
+        let read = self.all.last().filter(|_| value.is_some());
+        if read.is_some_and(|values| values.flat().iter().any(|number| number.is_nan())) {
+            return Err(refuse(argument, "be negative", "nan"));
         }
-        self.add(argument, values);
         Ok(())
     }
 
     /// The number of an argument for an axis.
     fn at(&self, argument: &str, axis: usize) -> f64 {
-        let found = self.all.iter().find(|(name, _)| *name == argument);
-        found.map_or(f64::NAN, |(_, values)| values.of_axis(axis))
+        let found = self.all.iter().find(|values| values.argument() == argument);
+        found.map_or(f64::NAN, |values| values.steps().get(axis))
     }
 
     /// Value, velocity and acceleration of every axis, by the names of these arguments.
@@ -109,8 +102,8 @@ methods! { Profile:
         min_acceleration=None, duration: Option<f64> = None, synchronise: &str = "time", **)
     as "(start, end, *, velocity, acceleration=None, jerk=None, start_velocity=None, start_acceleration=None, end_velocity=None, end_acceleration=None, min_velocity=None, min_acceleration=None, duration=None, synchronise='time')" -> PyResult<Self> {
         let mut given = Given { keywords: PyDict::new(py), all: Vec::new() };
-        given.add("start", Values::read("start", start)?);
-        given.add("end", Values::read("end", end)?);
+        given.all.push(values("start", start)?);
+        given.all.push(values("end", end)?);
         given.read("velocity", Some(velocity), f64::NAN)?;
         given.read("acceleration", acceleration, f64::INFINITY)?;
         given.read("jerk", jerk, f64::INFINITY)?;
@@ -135,7 +128,7 @@ methods! { Profile:
             synchronise,
             duration,
         );
-        let [start, end] = [given.all[0].1.to_python(py)?, given.all[1].1.to_python(py)?];
+        let [start, end] = [to_python(py, &given.all[0])?, to_python(py, &given.all[1])?];
         Self::build(py, "time_optimal", core, is_vector, &[&start, &end], given.keywords)
     }
 }
