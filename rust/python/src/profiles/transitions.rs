@@ -58,6 +58,13 @@ macro_rules! transition {
     };
 }
 
+/// Limits under the names that they have as keywords.
+macro_rules! limits {
+    ($keywords:ident, $limits:ident { $($name:ident)* }) => {
+        $limits { $($name: $keywords.limit(stringify!($name), $name)?),* }
+    };
+}
+
 transition! {
     /// The body's twist follows a profile; the wheels follow the twist. Made by `profiles.body_transition`.
     BodyTransition;
@@ -205,22 +212,13 @@ methods! { ModuleTransition:
         let to = modules("end", rover.get(), end)?;
         let duration = keywords.duration(duration)?;
         let shape: Shape = keywords.word("shape", shape)?;
-        let limits = ModuleLimits {
-            steering_rate: keywords.limit("steering_rate", steering_rate)?,
-            steering_acceleration: keywords.limit("steering_acceleration", steering_acceleration)?,
-            steering_jerk: keywords.limit("steering_jerk", steering_jerk)?,
-            wheel_acceleration: keywords.limit("wheel_acceleration", wheel_acceleration)?,
-            wheel_jerk: keywords.limit("wheel_jerk", wheel_jerk)?,
-        };
+        let limits = limits!(keywords, ModuleLimits {
+            steering_rate steering_acceleration steering_jerk wheel_acceleration wheel_jerk
+        });
         let synchronise: Synchronise = keywords.word("synchronise", synchronise)?;
-        let unlimited = ModuleLimits {
-            steering_rate: f64::INFINITY,
-            steering_acceleration: f64::INFINITY,
-            steering_jerk: f64::INFINITY,
-            wheel_acceleration: f64::INFINITY,
-            wheel_jerk: f64::INFINITY,
-        };
-        one_of(duration, limits != unlimited, "limits of the steering or the wheels")?;
+        let given = [steering_rate, steering_acceleration, steering_jerk, wheel_acceleration, wheel_jerk];
+        let limited = given.into_iter().flatten().any(|limit| limit != f64::INFINITY);
+        one_of(duration, limited, "limits of the steering or the wheels")?;
         let view = |(steering, speeds): &(Vec<f64>, Vec<f64>)| {
             PyResult::Ok((PyTuple::new(py, steering)?, PyTuple::new(py, speeds)?))
         };
@@ -295,15 +293,11 @@ methods! { IcrTransition:
     as "(rover, start_twist, end_twist, *, steering_rate, steering_acceleration=None, steering_jerk=None, wheel_speed=None, wheel_acceleration=None, acceleration=None, angular_acceleration=None, previous=None)" -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let [start, end] = [start_twist, end_twist].map(|twist| twist.map(|number| number + 0.0));
-        let limits = IcrLimits {
-            steering_rate: keywords.limit("steering_rate", Some(steering_rate))?,
-            steering_acceleration: keywords.limit("steering_acceleration", steering_acceleration)?,
-            steering_jerk: keywords.limit("steering_jerk", steering_jerk)?,
-            wheel_speed: keywords.limit("wheel_speed", wheel_speed)?,
-            wheel_acceleration: keywords.limit("wheel_acceleration", wheel_acceleration)?,
-            acceleration: keywords.limit("acceleration", acceleration)?,
-            angular_acceleration: keywords.limit("angular_acceleration", angular_acceleration)?,
-        };
+        let steering_rate = Some(steering_rate);
+        let limits = limits!(keywords, IcrLimits {
+            steering_rate steering_acceleration steering_jerk wheel_speed wheel_acceleration acceleration
+            angular_acceleration
+        });
         let previous = keywords.previous(rover.get(), previous)?;
         let core = core::IcrTransition::new(&rover.get().core, start.into(), end.into(), &limits, previous.as_deref());
         let arguments = (rover, PyTuple::new(py, start)?, PyTuple::new(py, end)?).into_pyobject(py)?;
