@@ -5,15 +5,12 @@ use six_wheel_kinematics::geometry::Twist;
 
 use super::Controller;
 use super::output::ControllerOutput;
-use crate::fastcall::{self, Answer, Arguments, Numbers, float, three, truth};
+use crate::fastcall::{Answer, Arguments, Numbers, float, three, truth};
 
-/// Puts the quick ways before the general ones.
-pub fn install(py: Python<'_>) -> PyResult<()> {
-    fastcall::install::<2, Command>(py)?;
-    fastcall::install::<2, Step>(py)
+fast_methods! {
+    Command<2>: Controller, c"command", [c"twist", c"stamp"], 2, command;
+    Step<2>: Controller, c"step", [c"stamp", c"measured"], 2, step;
 }
-
-fast_method!(Command<2>: Controller, c"command", [c"twist", c"stamp"], 2, command);
 
 #[inline(always)]
 fn command<'py>(this: Borrowed<'_, 'py, Controller>, [twist, stamp]: Arguments<'_, 'py, 2>) -> Answer<'py> {
@@ -23,8 +20,6 @@ fn command<'py>(this: Borrowed<'_, 'py, Controller>, [twist, stamp]: Arguments<'
     // A failed call has changed nothing: the general way may say why.
     Some(truth(this.py(), taken.ok()?))
 }
-
-fast_method!(Step<2>: Controller, c"step", [c"stamp", c"measured"], 2, step);
 
 #[inline(always)]
 fn step<'py>(this: Borrowed<'_, 'py, Controller>, [now, measured]: Arguments<'_, 'py, 2>) -> Answer<'py> {

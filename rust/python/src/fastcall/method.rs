@@ -56,6 +56,19 @@ macro_rules! fast_method {
     };
 }
 
+/// The quick ways of a folder, each as [`fast_method`] has it, and the function that puts them before the methods.
+macro_rules! fast_methods {
+    ($($quick:ident<$count:literal>: $class:ty, $name:literal, $parameters:expr, $positional:literal, $call:ident;)*) => {
+        $(fast_method!($quick<$count>: $class, $name, $parameters, $positional, $call);)*
+
+        /// Puts the quick ways before the methods of the classes.
+        pub fn install(py: Python<'_>) -> PyResult<()> {
+            $(crate::fastcall::install::<$count, $quick>(py)?;)*
+            Ok(())
+        }
+    };
+}
+
 /// Puts a function before methods that have no quick way, so that unknown keywords are refused with the nearest one.
 macro_rules! checked_methods {
     ($py:expr, $class:ty: $($name:literal)*) => {$({

@@ -6,12 +6,13 @@
 //! arguments. To give a class one:
 //!
 //! 1. Write the general method under `#[pymethods]`, with docstring, signature and errors.
-//! 2. `fast_method!(Update<2>: Odometry, c"update", [c"speeds", c"dt"], 2, update);` (of the names, the first two may come by
-//!    position), and the function `update`, which returns `None` for all it does not know. It sees `None` for a parameter
-//!    that is left out or is Python's `None`. Of `this`, take `get()`, and of what it shares `try_lock(py)?`.
+//! 2. `Update<2>: Odometry, c"update", [c"speeds", c"dt"], 2, update;` in the `fast_methods!` of its folder (of the names, the
+//!    first two may come by position), and the function `update`, which returns `None` for all it does not know. It sees
+//!    `None` for a parameter that is left out or is Python's `None`. Of `this`, take `get()`, and of what it shares
+//!    `try_lock(py)?`.
 //! 3. Read with [`float`], [`three`], [`Row::read`] and [`Row::target`]; answer with [`fresh`], [`pair`] or an
 //!    argument itself. Nothing may be changed before it is sure that the answer is `Some`.
-//! 4. `fastcall::install::<2, Update>(py)?` in the `install` of its folder, which `lib.rs` calls after `add_class`.
+//! 4. `lib.rs` calls `install` of the folder, which `fast_methods!` makes, after `add_class`.
 //!
 //! # Risks
 //!

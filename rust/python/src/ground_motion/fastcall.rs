@@ -9,19 +9,16 @@ use six_wheel_numerics::error::LARGEST;
 
 use super::results::{Columns, CommandRow, GroundCommand, GroundMotion, MotionRow};
 use super::traction::{Traction, TractionRow};
-use crate::fastcall::{self, Answer, Arguments, Numbers, Object, float, three};
+use crate::fastcall::{Answer, Arguments, Numbers, Object, float, three};
 use crate::settle::Stand;
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
-/// Puts the quick ways before the methods of the class.
-pub fn install(py: Python<'_>) -> PyResult<()> {
-    fastcall::install::<6, TractionCall>(py)?;
-    fastcall::install::<2, InverseCall>(py)?;
-    fastcall::install::<3, ForwardCall>(py)
+fast_methods! {
+    TractionCall<6>: Suspension, c"traction", [c"speed", c"curvature", c"angular_velocity", c"joints", c"joint_rates", c"yaw_rate"], 5, traction;
+    InverseCall<2>: Suspension, c"inverse", [c"stand", c"command"], 2, inverse;
+    ForwardCall<3>: Suspension, c"forward", [c"stand", c"steering", c"wheel_speeds"], 3, forward;
 }
-
-fast_method!(TractionCall<6>: Suspension, c"traction", [c"speed", c"curvature", c"angular_velocity", c"joints", c"joint_rates", c"yaw_rate"], 5, traction);
 
 #[inline(always)]
 fn traction<'py>(
@@ -77,8 +74,6 @@ fn one_pose<'a>(this: Borrowed<'_, '_, Suspension>, stand: Object<'a, '_>) -> Op
     (stand.suspension.as_ptr() == this.as_ptr() && stand.leading.is_empty()).then_some(stand)
 }
 
-fast_method!(InverseCall<2>: Suspension, c"inverse", [c"stand", c"command"], 2, inverse);
-
 #[inline(always)]
 fn inverse<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, command]: Arguments<'_, 'py, 2>) -> Answer<'py> {
     let (py, suspension) = (this.py(), this.get());
@@ -111,8 +106,6 @@ fn inverse<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, command]: Arguments
     let command = Bound::new(py, GroundCommand(Columns::Single(one))).ok()?;
     Some(command.into_any())
 }
-
-fast_method!(ForwardCall<3>: Suspension, c"forward", [c"stand", c"steering", c"wheel_speeds"], 3, forward);
 
 #[inline(always)]
 fn forward<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, steering, speeds]: Arguments<'_, 'py, 3>) -> Answer<'py> {

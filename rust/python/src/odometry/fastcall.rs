@@ -4,14 +4,11 @@ use pyo3::prelude::*;
 use six_wheel_odometry::Sample;
 
 use super::Odometry;
-use crate::fastcall::{self, Answer, Arguments, Numbers, Object, float};
+use crate::fastcall::{Answer, Arguments, Numbers, Object, float};
 
-/// Puts the quick way before the method of the class.
-pub fn install(py: Python<'_>) -> PyResult<()> {
-    fastcall::install::<5, Update>(py)
+fast_methods! {
+    Update<5>: Odometry, c"update", [c"steering", c"wheel_angles", c"stamp", c"yaw", c"yaw_rate"], 3, update;
 }
-
-fast_method!(Update<5>: Odometry, c"update", [c"steering", c"wheel_angles", c"stamp", c"yaw", c"yaw_rate"], 3, update);
 
 #[inline(always)]
 fn update<'py>(

@@ -10,15 +10,12 @@ use six_wheel_kinematics::rover::Inputs;
 use super::Rover;
 use crate::fastcall::{self, Answer, Arguments, Numbers, Object, Row, fresh, pair, three, truth};
 
-/// Puts the quick ways before the methods of the class.
-pub fn install(py: Python<'_>) -> PyResult<()> {
-    fastcall::install::<3, Inverse>(py)?;
-    fastcall::install::<3, Forward>(py)?;
-    fastcall::install::<1, Admissible>(py)?;
-    fastcall::install::<2, Project>(py)
+fast_methods! {
+    Inverse<3>: Rover, c"inverse", [c"twist", c"out", c"previous"], 1, inverse;
+    Forward<3>: Rover, c"forward", [c"steering", c"wheel_speeds", c"out"], 2, forward;
+    Admissible<1>: Rover, c"admissible", [c"twist"], 1, admissible;
+    Project<2>: Rover, c"project", [c"twist", c"out"], 1, project;
 }
-
-fast_method!(Inverse<3>: Rover, c"inverse", [c"twist", c"out", c"previous"], 1, inverse);
 
 #[inline(always)]
 fn inverse<'py>(this: Borrowed<'_, 'py, Rover>, [twist, out, previous]: Arguments<'_, 'py, 3>) -> Answer<'py> {
@@ -84,8 +81,6 @@ fn twist_row<'a, 'py: 'a, const N: usize>(
     (!rows.any(|row| row.overlaps(target))).then(|| (out.to_owned(), target))
 }
 
-fast_method!(Forward<3>: Rover, c"forward", [c"steering", c"wheel_speeds", c"out"], 2, forward);
-
 #[inline(always)]
 fn forward<'py>(this: Borrowed<'_, 'py, Rover>, [steering, speeds, out]: Arguments<'_, 'py, 3>) -> Answer<'py> {
     let (py, rover) = (this.py(), &this.get().core);
@@ -114,16 +109,12 @@ fn forward<'py>(this: Borrowed<'_, 'py, Rover>, [steering, speeds, out]: Argumen
     Some(array)
 }
 
-fast_method!(Admissible<1>: Rover, c"admissible", [c"twist"], 1, admissible);
-
 #[inline(always)]
 fn admissible<'py>(this: Borrowed<'_, 'py, Rover>, [twist]: Arguments<'_, 'py, 1>) -> Answer<'py> {
     let twist = Twist::from(three(twist?)?);
     let answer = batch::admissible_one(&this.get().core, twist).ok()?;
     Some(truth(this.py(), answer))
 }
-
-fast_method!(Project<2>: Rover, c"project", [c"twist", c"out"], 1, project);
 
 #[inline(always)]
 fn project<'py>(this: Borrowed<'_, 'py, Rover>, [twist, out]: Arguments<'_, 'py, 2>) -> Answer<'py> {

@@ -8,7 +8,7 @@ use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::ground::{self, Settler, Status};
 
 use crate::convert::{Rows, compute, memory, raise, read_point, together};
-use crate::fastcall::{self, Answer, Arguments, three};
+use crate::fastcall::{Answer, Arguments, three};
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
 use crate::workers::any_workers;
@@ -99,12 +99,9 @@ methods! { Suspension:
     }
 }
 
-/// Puts the quick way before the method of the class.
-pub fn install(py: Python<'_>) -> PyResult<()> {
-    fastcall::install::<2, SettleCall>(py)
+fast_methods! {
+    SettleCall<2>: Suspension, c"settle", [c"ground", c"poses"], 2, settle;
 }
-
-fast_method!(SettleCall<2>: Suspension, c"settle", [c"ground", c"poses"], 2, settle);
 
 #[inline(always)]
 fn settle<'py>(this: Borrowed<'_, 'py, Suspension>, [ground, pose]: Arguments<'_, 'py, 2>) -> Answer<'py> {
