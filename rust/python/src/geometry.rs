@@ -26,11 +26,7 @@ functions! {
     /// -------
     /// ndarray, shape (n, 3)
     ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]; each step turns the short way round.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If there is no pose, a value is not finite or a duration is not positive.
+    #[doc = raises!("If there is no pose, a value is not finite or a duration is not positive.")]
     pub fn differentiate[py: Python<'py>](poses, dt, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(poses, dt, *, out=None, dtype=None, threads=None)"
     -> PyResult<AnyArray<'py>> {
@@ -63,11 +59,7 @@ functions! {
     /// -------
     /// ndarray, shape (..., 3)
     ///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, `dt` negative, or a shape does not fit.
+    #[doc = raises!("If a number is not finite, `dt` negative, or a shape does not fit.")]
     pub fn exp[py: Python<'py>](twist, dt=None, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(twist, dt=1.0, *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
         over_time(py, ("twist", twist), dt, (out, dtype), threads, batch::Map::Exp)
@@ -87,11 +79,7 @@ functions! {
     /// -------
     /// ndarray, shape (..., 3)
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, `dt` not positive, or a shape does not fit.
+    #[doc = raises!("If a number is not finite, `dt` not positive, or a shape does not fit.")]
     pub fn log[py: Python<'py>](pose, dt=None, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(pose, dt=1.0, *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
         over_time(py, ("pose", pose), dt, (out, dtype), threads, batch::Map::Log)
@@ -137,11 +125,7 @@ functions! {
     /// -------
     /// ndarray, shape (..., 3)
     ///     The end of `second` seen from the start of `first`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite or a shape does not fit.
+    #[doc = raises!("If a number is not finite or a shape does not fit.")]
     pub fn compose[py: Python<'py>](first, second, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(first, second, *, out=None, dtype=None, threads=None)"
     -> PyResult<AnyArray<'py>> {
@@ -169,11 +153,7 @@ functions! {
     /// -------
     /// float or ndarray, shape (...)
     ///     The same angles, wrapped [rad].
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an angle is not finite.
+    #[doc = raises!("If an angle is not finite.")]
     pub fn wrap_angle[py: Python<'py>](angle, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(angle, *, out=None, dtype=None, threads=None)"
     -> PyResult<Bound<'py, PyAny>> {

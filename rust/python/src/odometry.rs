@@ -63,11 +63,7 @@ use values::{Gyroscope, Noise};
 ///     Constant errors of the dimensions, as k independent errors of one standard deviation each: of every wheel
 ///     its radius, x, y [m], heading [rad], scrub, trail [m], roller angle [rad], and as shares of what is read its turns
 ///     and its steering angle. `Calibration.dimensions` and that of a parameter file are such. Steps then take longer.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If a parameter makes no sense.
+#[doc = raises!("If a parameter makes no sense.")]
 ///
 /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 5.
 #[pyclass(frozen, module = "six_wheel")]
@@ -233,11 +229,7 @@ methods! { Odometry:
     ///     direction; zeros take the pose at its word.
     /// std : array_like, shape (3,), optional
     ///     Standard deviations of x, y [m] and yaw [rad], in place of `covariance`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a value is not finite, the covariance is none or the stamp too old. The state is as before.
+    #[doc = raises!("If a value is not finite, the covariance is none or the stamp too old. The state is as before.")]
     fn correct[&self, py: Python<'py>](pose: [f64; 3], stamp: f64, covariance=None, *, std=None)
     -> PyResult<OdometryState> {
         let matrix = input::covariance(Some(&input::variances(py, covariance, std)?))?;
@@ -256,11 +248,7 @@ methods! { Odometry:
     /// -------
     /// Pose
     ///     ``x, y, yaw`` in the world [m, m, rad].
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If the stamp is not finite, too old, too late, or there was no sample.
+    #[doc = raises!("If the stamp is not finite, too old, too late, or there was no sample.")]
     fn at[&self, py: Python<'py>](stamp: f64) -> PyResult<Bound<'py, PyAny>> {
         let pose = self.work.lock(py)?.core.pose_at(stamp).or_raise(&[])?;
         py.import("six_wheel.kinematics.geometry")?.getattr("Pose")?.call_method1("_make", ((pose.x, pose.y, pose.yaw),))
@@ -274,11 +262,7 @@ methods! { Odometry:
     ///     ``[x, y, yaw]`` in the world [m, m, rad], default the origin.
     /// covariance : array_like, shape (3,) or (3, 3), optional
     ///     Variances of x, y and yaw, or their covariance, in world axes; default 0.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a shape does not fit, or a variance is negative.
+    #[doc = raises!("If a number is not finite, a shape does not fit, or a variance is negative.")]
     fn reset[&self, py: Python<'py>](pose=None, covariance=None)
     as "($self, pose=(0.0, 0.0, 0.0), covariance=None)" -> PyResult<()> {
         let pose = pose.map_or(Ok([0.0; 3]), |pose| numbers("pose", pose))?;
@@ -299,11 +283,7 @@ methods! { Odometry:
     ///     ``[x, y, yaw]`` in the world [m, m, rad].
     /// covariance : array_like, shape (3,) or (3, 3), optional
     ///     Variances of x, y and yaw, or their covariance, in world axes; default 0.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a shape does not fit, or a variance is negative.
+    #[doc = raises!("If a number is not finite, a shape does not fit, or a variance is negative.")]
     fn set_pose[&self, py: Python<'py>](pose, covariance=None) -> PyResult<()> {
         let (pose, matrix) = (numbers("pose", pose)?, input::covariance(covariance)?);
         self.change(py, |core| core.set_pose(pose.into(), matrix))?;

@@ -70,11 +70,7 @@ const FOOTPRINT: usize = 64;
 ///     Number type in which rollouts are computed.
 /// footprint : array_like, shape (n, 2), optional
 ///     Points of the body where the map is read, of which the worst counts [m]; default its origin.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If an option makes no sense.
+#[doc = raises!("If an option makes no sense.")]
 ///
 /// Source: G. Williams et al., Information-theoretic model predictive control, IEEE T-RO 34(6), 2018; E. Trevisan & J.
 /// Alonso-Mora, Biased-MPPI, IEEE RA-L 9(6), 2024.
@@ -295,11 +291,7 @@ impl Mppi {
     /// ----------
     /// state : dict
     ///     As `state` gives it.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If it is not of a planner like this one.
+    #[doc = raises!("If it is not of a planner like this one.")]
     fn restore(&self, py: Python<'_>, state: &Bound<'_, PyDict>) -> PyResult<()> {
         let item = |name: &str| {
             let found = state.get_item(name)?;

@@ -86,11 +86,7 @@ methods! { Profile:
     /// Parameters
     /// ----------
     #[doc = parameters!(ends, duration)]
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a value is not finite, a shape does not fit, or the duration is not positive.
+    #[doc = raises!("If a value is not finite, a shape does not fit, or the duration is not positive.")]
     #[staticmethod]
     fn linear[py: Python<'py>](start, end, duration: f64, **)
     as "(start, end, duration)" -> PyResult<Self> {
@@ -104,11 +100,7 @@ methods! { Profile:
     #[doc = parameters!(ends, duration)]
     /// ramp : float, optional
     ///     Duration of the acceleration, and of the deceleration [s]; default a third of the duration, at most a half.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a value is not finite, a shape does not fit, or a time is not as said.
+    #[doc = raises!("If a value is not finite, a shape does not fit, or a time is not as said.")]
     #[staticmethod]
     fn trapezoid[py: Python<'py>](start, end, duration: f64, *, ramp: Option<f64> = None, **)
     as "(start, end, duration, *, ramp=None)" -> PyResult<Self> {
@@ -126,11 +118,7 @@ methods! { Profile:
     ///     Duration of the acceleration, and of the deceleration [s]; the default and most is half the duration, which
     ///     takes the least jerk: over a distance d in the time T, velocity ``2 d / T``, acceleration
     ///     ``8 d / T**2`` and jerk ``32 d / T**3``. Less lowers the velocity, to ``d / (T - ramp)``.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a value is not finite, a shape does not fit, or a time is not as said.
+    #[doc = raises!("If a value is not finite, a shape does not fit, or a time is not as said.")]
     #[staticmethod]
     fn s_curve[py: Python<'py>](start, end, duration: f64, *, ramp: Option<f64> = None, **)
     as "(start, end, duration, *, ramp=None)" -> PyResult<Self> {
@@ -153,11 +141,7 @@ methods! { Profile:
     /// -------
     /// State
     ///     ``value, velocity, acceleration, jerk``, each of shape (...) or (..., axes).
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a time is not finite.
+    #[doc = raises!("If a time is not finite.")]
     fn at[&self, py: Python<'py>](times) -> PyResult<Bound<'py, PyAny>> {
         let times = Rows::read_numbers("times", times)?.finite()?;
         let width = self.core.width();

@@ -232,11 +232,7 @@ methods! { Terrain:
     /// -------
     /// float or ndarray, shape (...)
     ///     Heights [m]; NaN off the map and where a height that enters is unknown.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a shape does not fit, or the method is not known.
+    #[doc = raises!("If a shape does not fit, or the method is not known.")]
     fn height_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
         threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 1, (out, dtype), threads, |height, _, target| {
@@ -257,11 +253,7 @@ methods! { Terrain:
     /// -------
     /// ndarray, shape (..., 2)
     ///     Slopes along x and y of the world; NaN off the map and where a height that enters is unknown.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a shape does not fit, or the method is not known.
+    #[doc = raises!("If a shape does not fit, or the method is not known.")]
     fn gradient_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
         threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 2, (out, dtype), threads, |_, gradient, target| {
@@ -282,11 +274,7 @@ methods! { Terrain:
     /// -------
     /// ndarray, shape (..., 3)
     ///     Normals in world axes; NaN off the map and where a height that enters is unknown.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a shape does not fit, or the method is not known.
+    #[doc = raises!("If a shape does not fit, or the method is not known.")]
     fn normal_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
         threads: Option<i64> = None) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 3, (out, dtype), threads, |_, gradient, target| {
@@ -303,11 +291,7 @@ methods! { Terrain:
     /// Returns
     /// -------
     /// bool or ndarray, shape (...)
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a shape does not fit.
+    #[doc = raises!("If a shape does not fit.")]
     fn contains[&self, py: Python<'py>](xy, *, threads: Option<i64> = None) -> PyResult<Py<PyAny>> {
         let workers = any_workers(threads, None)?;
         let rows = Rows::read("xy", xy, 2)?;

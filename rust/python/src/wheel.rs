@@ -40,11 +40,7 @@ use crate::unit_warnings::warn_units;
 ///     True if the wheel has a motor; default True, False for a castor.
 /// castor : bool
 ///     True if the wheel swivels freely behind its pivot, by its trail.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If a number is not finite, the radius or the limit not positive, or a fixed wheel has a limit.
+#[doc = raises!("If a number is not finite, the radius or the limit not positive, or a fixed wheel has a limit.")]
 ///
 /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
 #[pyclass(frozen, module = "six_wheel", from_py_object)]

@@ -80,11 +80,7 @@ pub fn default_threads() -> usize {
 /// ----------
 /// threads : int
 ///     At least 1.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If there are none.
+#[doc = raises!("If there are none.")]
 #[pyfunction]
 pub fn set_default_threads(threads: i64) -> PyResult<()> {
     DEFAULT_THREADS.store(count(threads)?, Ordering::Relaxed);

@@ -1,4 +1,4 @@
-//! Documentation of parameters that many calls have.
+//! Documentation of parameters that many calls have, and of errors.
 
 /// Lines on parameters, as numpydoc has them: `#[doc = parameters!(out "(..., 3)", dtype, threads)]`.
 macro_rules! parameters {
@@ -80,5 +80,12 @@ increments : bool, default False
     Angles or ticks are those since the sample before, not totals.
 wheel_encoders, steering_encoders : Encoder, sequence of Encoder or dict of str to Encoder, optional
     For readings in counts: one for all, one each, or by the name of the wheel."
+    };
+}
+
+/// The section on errors of a call that raises `ValueError` alone: `#[doc = raises!("If a value is not finite.")]`.
+macro_rules! raises {
+    ($rule:literal) => {
+        concat!("\nRaises\n------\nValueError\n    ", $rule)
     };
 }

@@ -159,11 +159,7 @@ methods! { Limits:
     /// -------
     /// float
     ///     At the halt_deceleration of these limits [m].
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If the speed is not finite.
+    #[doc = raises!("If the speed is not finite.")]
     fn halting_distance[&self](speed: f64) -> PyResult<f64> {
         six_wheel_numerics::error::bounded("speed", &[speed]).or_raise(&[])?;
         Ok(self.0.halting_distance(speed))
@@ -180,11 +176,7 @@ methods! { Limits:
     /// -------
     /// float
     ///     At the deceleration and jerk of these limits [m].
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If the speed is not finite.
+    #[doc = raises!("If the speed is not finite.")]
     fn stopping_distance[&self](speed: f64) -> PyResult<f64> {
         six_wheel_numerics::error::bounded("speed", &[speed]).or_raise(&[])?;
         Ok(self.0.stopping_distance(speed))

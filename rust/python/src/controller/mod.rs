@@ -61,11 +61,7 @@ pub use quick::install;
 ///     Motion at the start, ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]; default at rest. It is taken for the
 ///     possible motion next to it, the joints where that needs them, those with a choice next to `steering`. What is
 ///     beyond the limits comes down within them.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If an option makes no sense, or a limit does not for this rover.
+#[doc = raises!("If an option makes no sense, or a limit does not for this rover.")]
 #[pyclass(frozen, module = "six_wheel")]
 pub struct Controller {
     core: Shared<Core>,
@@ -176,11 +172,7 @@ methods! { Controller:
     /// -------
     /// bool
     ///     Whether it was taken.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If the stamp is not finite or the shape does not fit.
+    #[doc = raises!("If the stamp is not finite or the shape does not fit.")]
     fn command[&self, py: Python<'py>](twist, stamp: f64, mode=None, *more)
     as "($self, twist, stamp, mode=None)" -> PyResult<bool> {
         let call = "Controller.command((vx, vy, omega), stamp)";

@@ -33,11 +33,7 @@ use values::{array, axles, brake, drives, raised, value, vector};
 /// tolerance : float
 ///     Side slip per metre driven up to which axle lines count as meeting in one point. The default is what
 ///     pivot encoders of 13 bits leave open.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If a dimension is not finite and positive or the tolerance not below 1.
+#[doc = raises!("If a dimension is not finite and positive or the tolerance not below 1.")]
 ///
 /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
 #[pyclass(frozen, module = "six_wheel")]
@@ -215,11 +211,7 @@ impl FourAxle {
     /// -------
     /// FourAxleMobility
     ///     ``.rank``, ``.degree_of_mobility``, ``.singular_values``, ``.motion``, ``.slip``, ``.margin``.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an angle is not finite or out of range, or the angles of a rigid axle differ.
+    #[doc = raises!("If an angle is not finite or out of range, or the angles of a rigid axle differ.")]
     fn mobility<'py>(&self, py: Python<'py>, steering: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let mobility = self.core.mobility(&axles("steering", steering)?).map_err(raised)?;
         let free: Vec<[f64; 3]> = mobility.free().iter().map(|twist| (*twist).into()).collect();

@@ -119,11 +119,7 @@ functions! {
     /// -------
     /// ndarray, shape (..., n + 1, 3)
     ///     Rows ``[x, y, yaw]`` [m, m, rad], the first of which is `start`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a value is not finite or a duration is negative.
+    #[doc = raises!("If a value is not finite or a duration is negative.")]
     ///
     /// Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, ch. 2.
     pub fn integrate[py: Python<'py>](twists, dt, start=None, *, out=None, dtype=None, threads: Option<i64> = None,
@@ -163,11 +159,7 @@ functions! {
     /// -------
     /// ndarray, shape (..., k, t + 1, 3)
     ///     Rows ``[x, y, yaw]`` [m, m, rad], the first of every rollout its start.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a value is not finite or a duration is negative.
+    #[doc = raises!("If a value is not finite or a duration is negative.")]
     pub fn rollout[py: Python<'py>](controls, dt, start=None, *, out=None, dtype=None,
         rover: Option<Bound<'py, Rover>> = None, limits: Option<Limits> = None, twist=None, steering=None,
         delay: f64 = 0.0, threads: Option<i64> = None, level: Option<&str> = None, **)

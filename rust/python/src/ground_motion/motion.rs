@@ -128,11 +128,7 @@ methods! { Suspension:
     /// -------
     /// GroundMotion
     ///     `twist` [m/s, rad/s], `joint_rates` [rad/s], `residuals` [m/s].
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a weight negative or a shape does not fit.
+    #[doc = raises!("If a number is not finite, a weight negative or a shape does not fit.")]
     ///
     /// Source: N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.
     fn forward[&self, py: Python<'py>](stand, steering: native Option<&Bound<'py, PyAny>>, wheel_speeds, joint_rates=None,

@@ -42,11 +42,7 @@ methods! { Suspension:
     /// -------
     /// WheelSlip
     ///     `ratio` and `angle` [rad].
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite or a shape does not fit.
+    #[doc = raises!("If a number is not finite or a shape does not fit.")]
     fn slip[&self, py: Python<'py>](stand, wheel_speeds, twist, joint_rates, *, out=None, threads: Option<i64> = None)
     -> PyResult<WheelSlip> {
         let workers = any_workers(threads, None)?;
@@ -104,11 +100,7 @@ methods! { BodySlip:
     /// -------
     /// ndarray, shape (n,)
     ///     Motion to command.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite or the shape does not fit.
+    #[doc = raises!("If a number is not finite or the shape does not fit.")]
     ///
     /// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
     /// for a Mars rover in high-slip environments, IEEE Aerospace 2004.
@@ -141,11 +133,7 @@ functions! {
     /// -------
     /// BodySlip
     ///     `slip`, `statistic`, `threshold`, `probability`, `slipping`, and `compensate`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, the covariance not positive definite, or a shape does not fit.
+    #[doc = raises!("If a number is not finite, the covariance not positive definite, or a shape does not fit.")]
     ///
     /// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
     /// for a Mars rover in high-slip environments, IEEE Aerospace 2004.

@@ -57,11 +57,7 @@ type Factor<'py> = (Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>, Bound<'
 ///     and attitude share by their noise.
 /// attitude_noise : float, default 0.01
 ///     Standard deviation of the tilt of an attitude [rad].
-///
-/// Raises
-/// ------
-/// ValueError
-///     If a parameter makes no sense.
+#[doc = raises!("If a parameter makes no sense.")]
 ///
 /// Source: C. Forster, L. Carlone, F. Dellaert, D. Scaramuzza, On-Manifold Preintegration for Real-Time
 /// Visual-Inertial Odometry, IEEE T-RO 33(1), 2017, for the idea; the wheel equation here is that of any rover.

@@ -53,11 +53,7 @@ use state::Odometry3State;
 ///     Largest delay of a pose given to `correct` [s]; 0: not before the last step, which is quicker.
 /// history : int, default 1024
 ///     Samples that are kept for that at most.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If a parameter makes no sense.
+#[doc = raises!("If a parameter makes no sense.")]
 ///
 /// Source: N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.
 #[pyclass(frozen, module = "six_wheel")]
@@ -271,11 +267,7 @@ methods! { Odometry3:
     ///     are infinite. An infinite variance says nothing of that direction; zeros take the pose at its word.
     /// std : array_like, shape (6,) or (3,), optional
     ///     Standard deviations, in place of `covariance`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a value is not finite, the covariance is none or the stamp too old. The state is as before.
+    #[doc = raises!("If a value is not finite, the covariance is none or the stamp too old. The state is as before.")]
     fn correct[&self, py: Python<'py>](pose, stamp: f64, covariance=None, *, std=None) -> PyResult<Odometry3State> {
         let pose = self::pose("pose", pose)?;
         let matrix = self::covariance(Some(&variances(py, covariance, std)?), f64::INFINITY)?;
@@ -290,11 +282,7 @@ methods! { Odometry3:
     ///     As for `set_pose`, default the origin.
     /// covariance : array_like, shape (6,), (6, 6), (3,) or (3, 3), optional
     ///     As for `set_pose`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a shape does not fit, or a variance is negative.
+    #[doc = raises!("If a number is not finite, a shape does not fit, or a variance is negative.")]
     fn reset[&self, py: Python<'py>](pose=None, covariance=None)
     as "($self, pose=(0.0, 0.0, 0.0), covariance=None)" -> PyResult<()> {
         let pose = pose.map_or(Ok(Default::default()), |pose| self::pose("pose", pose))?;
@@ -311,11 +299,7 @@ methods! { Odometry3:
     ///     As for `correct`. Roll and pitch that an IMU measures are those; on ground z, roll and pitch follow from it.
     /// covariance : array_like, shape (6,), (6, 6), (3,) or (3, 3), optional
     ///     Of x, y, z and about the axes of the world, or of x, y and yaw; default 0.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a shape does not fit, or a variance is negative.
+    #[doc = raises!("If a number is not finite, a shape does not fit, or a variance is negative.")]
     fn set_pose[&self, py: Python<'py>](pose, covariance=None) -> PyResult<()> {
         let (pose, matrix) = (self::pose("pose", pose)?, self::covariance(covariance, 0.0)?);
         self.change(py, |core| core.set_pose(pose, matrix))?;

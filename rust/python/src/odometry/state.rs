@@ -227,11 +227,7 @@ methods! { OdometryState:
     /// ----------
     /// unmeasured : float, default 1e6
     ///     Variance of z [m²], roll and pitch [rad²], of which wheels on a plane say nothing.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If `unmeasured` is no number, or a negative one.
+    #[doc = raises!("If `unmeasured` is no number, or a negative one.")]
     fn covariance_6x6[&self, py: Python<'py>](unmeasured: f64 = 1e6) -> PyResult<Bound<'py, PyArray2<f64>>> {
         spatial(py, &whole(self.covariance), unmeasured)
     }
@@ -242,11 +238,7 @@ methods! { OdometryState:
     /// ----------
     /// unmeasured : float, default 1e6
     ///     Variance of the rates along z [m²/s²], about x and about y [rad²/s²], and of all that nothing is known of.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If `unmeasured` is no number, or a negative one.
+    #[doc = raises!("If `unmeasured` is no number, or a negative one.")]
     fn twist_covariance_6x6[&self, py: Python<'py>](unmeasured: f64 = 1e6) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let known = self.twist_covariance.map(|value| if value.is_finite() { value } else { unmeasured });
         spatial(py, &whole(known), unmeasured)

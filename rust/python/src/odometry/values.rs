@@ -36,11 +36,7 @@ use crate::unit_warnings::warn_units;
 /// period : float, optional
 ///     Time over which an error of `speed`, `steering` and `yaw_rate` stays the same [s]: readings that come more
 ///     often share it. Without it every reading errs on its own.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If a number is negative or not finite.
+#[doc = raises!("If a number is negative or not finite.")]
 #[pyclass(frozen, module = "six_wheel", from_py_object)]
 #[derive(Clone, Copy)]
 pub struct Noise(pub CoreNoise, Measured);
@@ -129,11 +125,7 @@ methods! { Noise:
     /// Returns
     /// -------
     /// Noise
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is negative or not finite, or the period not positive.
+    #[doc = raises!("If a number is negative or not finite, or the period not positive.")]
     #[staticmethod]
     fn typical[](*, yaw: Option<f64> = None, yaw_rate: Option<f64> = None, period: Option<f64> = None, **)
     as "(*, yaw=0.0, yaw_rate=0.0, period=None)" -> PyResult<Self> {
@@ -157,11 +149,7 @@ methods! { Noise:
     /// -------
     /// Noise
     ///     `slip` and `side_slip`, by maximum likelihood; `speed` and `steering` are 0, for slip holds all that ends err by.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If the logs have no truth, or their ends tell nothing.
+    #[doc = raises!("If the logs have no truth, or their ends tell nothing.")]
     #[staticmethod]
     fn from_logs[py: Python<'py>](rover: Bound<'py, Rover>, logs, truth=None, **)
     as "(rover, logs, truth=None)" -> PyResult<Bound<'py, PyAny>> {
@@ -182,11 +170,7 @@ methods! { Noise:
 ///     Between two samples a counter is taken to have gone the shorter way.
 /// offset : float, default 0.0
 ///     Angle of a steering joint where the counter is zero [rad].
-///
-/// Raises
-/// ------
-/// ValueError
-///     If a number is not finite, ticks_per_turn or wraps_at not positive, or gear_ratio 0.
+#[doc = raises!("If a number is not finite, ticks_per_turn or wraps_at not positive, or gear_ratio 0.")]
 #[pyclass(frozen, module = "six_wheel", from_py_object)]
 #[derive(Clone, Copy)]
 pub struct Encoder(pub CoreEncoder);
@@ -244,11 +228,7 @@ methods! { Encoder:
 /// scale_noise : float, default 0.0
 ///     Standard deviation of the factor that its readings are off by, a share of what it turns. It lasts: ten turns the
 ///     same way err ten times as much as one.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If a number is not finite or a deviation negative.
+#[doc = raises!("If a number is not finite or a deviation negative.")]
 #[pyclass(frozen, module = "six_wheel", from_py_object)]
 #[derive(Clone, Copy)]
 pub struct Gyroscope(pub CoreGyroscope);

@@ -29,11 +29,7 @@ use crate::convert::{OrRaise, pair, pair_or_one, refuse_shape, refuse_type};
 ///     Cost of every place beyond the map; default that of the nearest place on it.
 /// frame : str, optional
 ///     Name of the frame the map is in.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If a cost is not finite (it is named), or there are less than two rows or columns.
+#[doc = raises!("If a cost is not finite (it is named), or there are less than two rows or columns.")]
 #[pyclass(frozen, module = "six_wheel")]
 pub struct Costmap {
     pub core: Core,
@@ -115,11 +111,7 @@ methods! { Costmap:
     /// -------
     /// Costmap
     ///     Costs from 0 to 1, in the frame of the message.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If its size is not that of the data, its plane is tilted, or an argument makes no sense.
+    #[doc = raises!("If its size is not that of the data, its plane is tilted, or an argument makes no sense.")]
     fn from_occupancy_grid[py: Python<'py>](msg, *, inflation=None, unknown=None, lethal=None, **)
     as "(msg, *, inflation=0.0, unknown=0.5, lethal=0.65)" -> PyResult<Bound<'py, PyAny>> {
         made_by(py, "from_occupancy_grid", msg, [inflation, unknown, lethal])

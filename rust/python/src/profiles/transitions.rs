@@ -196,11 +196,7 @@ methods! { ModuleTransition:
     ///     steering takes its time.
     /// synchronise : {'time', 'phase', 'none'}
     ///     Synchronization: all arrive together, also in proportion, or each when it can.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a value is not as said, or an angle lies outside its wheel's range.
+    #[doc = raises!("If a value is not as said, or an angle lies outside its wheel's range.")]
     #[staticmethod]
     fn between[py: Python<'py>](rover: Bound<'py, Rover>, start, end, duration: Option<f64> = None, *,
         shape: Option<&str> = None, steering_rate: Option<f64> = None, steering_acceleration: Option<f64> = None,

@@ -21,11 +21,7 @@ methods! { Rover:
     /// -------
     /// bool or ndarray of bool, shape (...)
     ///     Side slip up to 1e-9 of the fastest wheel's speed counts as rounding.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a value is not finite.
+    #[doc = raises!("If a value is not finite.")]
     fn admissible[&self, py: Python<'py>](twist, *more, threads: Option<i64> = None)
     as "($self, twist, *, threads=None)" -> PyResult<Py<PyAny>> {
         one_twist("Rover.admissible((vx, vy, omega))", 1, more)?;
@@ -84,11 +80,7 @@ methods! { Rover:
     /// ndarray, shape (..., 2)
     ///     ``[x, y]`` in body axes [m]. Straight ahead it is at infinity, ``[0, inf]`` forwards and
     ///     ``[0, -inf]`` backwards; at rest there is none, ``[nan, nan]``.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a value is not finite.
+    #[doc = raises!("If a value is not finite.")]
     fn icr[&self, py: Python<'py>](twist, *more, out=None, dtype=None, threads: Option<i64> = None)
     as "($self, twist, *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
         one_twist("Rover.icr((vx, vy, omega))", 1, more)?;

@@ -73,11 +73,7 @@ methods! { Rover:
     /// (ndarray, ndarray), shapes (..., steered wheels) and (..., wheels)
     ///     In the order of `steered_wheel_names` and `wheel_names`, with the wheels' signs: what `forward`,
     ///     `Odometry.update` and `Controller.step` take. NaN for a wheel that no joint drives.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a joint is missing; the message names it.
+    #[doc = raises!("If a joint is missing; the message names it.")]
     fn readings[&self, py: Python<'py>](joints: native &Bound<'py, PyMapping>)
     -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let numpy = py.import(intern!(py, "numpy"))?;
@@ -122,11 +118,7 @@ methods! { Rover:
     /// -------
     /// ndarray
     ///     Speeds of the same shape; those that are within the limits are as they were.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a limit is not positive, or a shape does not fit.
+    #[doc = raises!("If a number is not finite, a limit is not positive, or a shape does not fit.")]
     fn desaturate[slf: &Bound<'py, Self>](wheel_speeds, max_wheel_speed) -> PyResult<Bound<'py, PyAny>> {
         let module = slf.py().import("six_wheel.kinematics.objects.desaturation")?;
         module.call_method1("desaturate", (slf, wheel_speeds, max_wheel_speed))

@@ -18,11 +18,7 @@ methods! { Rover:
     ///     With a link and a joint for every wheel and its steering, under the names of the joints, and
     ///     rockers and bogies where there is a suspension. The base frame lies on the ground, a suspension's
     ///     where it has its own.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a wheel is none that a URDF can hold: with rollers.
+    #[doc = raises!("If a wheel is none that a URDF can hold: with rollers.")]
     fn urdf[slf: &Bound<'py, Self>](name: native &str = "rover") -> PyResult<String> {
         let module = slf.py().import("six_wheel.robot_description.urdf")?;
         module.call_method1("rover_urdf", (slf, name))?.extract()
@@ -36,11 +32,7 @@ methods! { Rover:
     ///     Ends in .yaml, .yml or .urdf. A file that is there is replaced.
     /// **others
     ///     Of a parameter file: `node`, `limits`, `control`, `odom_frame_id`, `base_frame_id`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If no such file can say what this rover is, or the ending is none of these.
+    #[doc = raises!("If no such file can say what this rover is, or the ending is none of these.")]
     fn save[slf: &Bound<'py, Self>](path, **others) -> PyResult<()> {
         let module = slf.py().import("six_wheel.robot_description.saving")?;
         module.getattr("save_rover")?.call((slf, path), others).map(drop)

@@ -55,11 +55,7 @@ methods! { Rover:
     #[doc = parameters!(wheel_radius, steering_limit "Of all corner wheels or one each", scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Of the wheels, in the order above.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a dimension or the limit is not finite and positive.
+    #[doc = raises!("If a dimension or the limit is not finite and positive.")]
     ///
     /// Source: the corner-steering geometry of NASA's Mars rovers as used by the JPL Open Source Rover.
     #[staticmethod]
@@ -87,11 +83,7 @@ methods! { Rover:
     #[doc = parameters!(scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Default ``module_0``, ``module_1``, ...
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a value is not finite, the radius or the limit not positive, or two modules share a point.
+    #[doc = raises!("If a value is not finite, the radius or the limit not positive, or two modules share a point.")]
     ///
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
     #[staticmethod]
@@ -128,11 +120,7 @@ methods! { Rover:
     /// names : sequence of str, optional
     ///     Of the wheels, front to rear, left before right; default ``left`` and ``right``, behind the axle's where
     ///     there are several.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a length is not finite and positive, or the centres lie the wrong way round.
+    #[doc = raises!("If a length is not finite and positive, or the centres lie the wrong way round.")]
     ///
     /// Source: J. L. Martinez et al., Approximating kinematics for tracked mobile robots, IJRR 24(10), 2005.
     #[staticmethod]
@@ -177,11 +165,7 @@ methods! { Rover:
     ///     Not beside `icr_left`, `icr_right` and `icr_forward`, which say the same.
     /// names : sequence of str, optional
     ///     Of the left and the right track; default ``left`` and ``right``.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a length is not finite and positive, or the centres lie the wrong way round.
+    #[doc = raises!("If a length is not finite and positive, or the centres lie the wrong way round.")]
     ///
     /// Source: J. L. Martinez et al., Approximating kinematics for tracked mobile robots, IJRR 24(10), 2005.
     #[staticmethod]
@@ -203,11 +187,7 @@ methods! { Rover:
     ///     One of `Rover.presets()`.
     /// steering_limit : float or (float, float), optional
     ///     In place of the published limit [rad]; where none is published, a quarter turn to either side.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If there is no such preset.
+    #[doc = raises!("If there is no such preset.")]
     #[staticmethod]
     fn preset[py: Python<'py>](name: &str, *, steering_limit=None, **)
     as "(name, *, steering_limit=None)" -> PyResult<Self> {

@@ -81,11 +81,7 @@ methods! { Rover:
     /// Mobility
     ///     `degree_of_mobility`, `degree_of_steerability`, `degree_of_manoeuvrability`, `rank`,
     ///     `singular_values`, `motion`, `margin`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an angle is not finite or the shape does not fit.
+    #[doc = raises!("If an angle is not finite or the shape does not fit.")]
     ///
     /// Source: G. Campion, G. Bastin, B. d'Andrea-Novel, IEEE Transactions on Robotics and Automation 12(1), 1996.
     fn mobility[&self](steering=None) -> PyResult<Mobility> {

@@ -18,11 +18,7 @@ methods! { RockerBogie:
     /// -------
     /// Rover
     ///     With the origin of R; wheels front_left, front_right, middle_left, middle_right, rear_left, rear_right.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an angle is not finite or a shape does not fit.
+    #[doc = raises!("If an angle is not finite or a shape does not fit.")]
     fn planar[&self, py: Python<'py>](joints=None) as "($self, joints=(0.0, 0.0, 0.0))" -> PyResult<Rover> {
         let joints = Rows::read_optional("joints", joints, 3)?;
         if let Some(rows) = joints.as_ref().filter(|rows| !rows.is_single()) {

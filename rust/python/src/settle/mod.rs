@@ -58,11 +58,7 @@ methods! { Suspension:
     /// -------
     /// SettledPose
     ///     With a status for every pose; numbers are NaN where it does not stand.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite or a shape does not fit.
+    #[doc = raises!("If a number is not finite or a shape does not fit.")]
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4),
     /// 2005, for the kinematics; the contact of circle and grid is solved over every cell (`docs/explanation/settling.md`).

@@ -164,11 +164,7 @@ methods! { RockerBogie:
     /// -------
     /// Feasibility
     ///     `ok`, `reason`, `margin`, `tilt`, `clearance`, `exact`, each of shape (...).
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a limit not positive or a shape does not fit.
+    #[doc = raises!("If a number is not finite, a limit not positive or a shape does not fit.")]
     fn feasible[slf: &Bound<'py, Self>, py: Python<'py>](ground: Bound<'py, Terrain>, poses, limits=None, *,
         map_error: f64 = 0.0, belly: Option<(f64, f64, f64, f64)> = None, out=None, threads: Option<i64> = None)
     -> PyResult<Feasibility> {
@@ -270,11 +266,7 @@ methods! { Suspension:
     ///     `loads` (..., wheels), `tip_over_angle` (...), `clearance` (...), `joint_margins` (..., joints),
     ///     `tilt` (...); NaN where the rover does not stand, or where forces are not determined. Of a stand with
     ///     `derivatives`, those of the margins: `by_pose`, `by_dimension`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If mass or gravity are not finite and positive, or the stand is of another suspension.
+    #[doc = raises!("If mass or gravity are not finite and positive, or the stand is of another suspension.")]
     ///
     /// Source: E. Papadopoulos, D. Rey, A new measure of tipover stability margin for mobile manipulators,
     /// ICRA 1996.

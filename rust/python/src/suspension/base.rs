@@ -111,11 +111,7 @@ methods! { Suspension:
     /// Returns
     /// -------
     /// Suspension
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, or the radius or a limit makes no sense.
+    #[doc = raises!("If a number is not finite, or the radius or a limit makes no sense.")]
     #[staticmethod]
     fn triple_bogie[py: Python<'py>](*, bogie_pivot: [f64; 3], bogie_to_front: [f64; 3], bogie_to_middle: [f64; 3],
         rear_pivot: [f64; 3], rear_to_wheel: [f64; 3], wheel_radius: f64, steered: &str = "corners",
@@ -159,11 +155,7 @@ methods! { Suspension:
     /// Returns
     /// -------
     /// Suspension
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a length is not positive or a limit makes no sense.
+    #[doc = raises!("If a length is not positive or a limit makes no sense.")]
     #[staticmethod]
     pub fn pivoting_axles[py: Python<'py>](*, wheelbase: f64, track_width: f64, drop: f64, wheel_radius: f64,
         steering_limit=None, roll_limit=None, **)
@@ -190,11 +182,7 @@ methods! { Suspension:
     /// Returns
     /// -------
     /// Suspension
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If there are too few or too many wheels, or a number makes no sense.
+    #[doc = raises!("If there are too few or too many wheels, or a number makes no sense.")]
     #[staticmethod]
     fn rigid[py: Python<'py>](centres, wheel_radius: f64, *, names: native Option<Vec<String>> = None,
         steered: native Vec<usize> = (Vec::new()), steering_limit=None, **)

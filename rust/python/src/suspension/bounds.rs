@@ -165,11 +165,7 @@ methods! { RockerBogie:
     /// PoseBounds
     ///     `z`, `roll`, `pitch`, `tilt`, `clearance`, `rocker`, `wheel_drop` (..., 2), `bogies` (..., 2, 2),
     ///     `status` (...).
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite, a margin negative or a shape does not fit.
+    #[doc = raises!("If a number is not finite, a margin negative or a shape does not fit.")]
     ///
     /// Source: K. Otsu, G. Matheron, S. Ghosh, O. Toupet, M. Ono, Fast approximate clearance evaluation for rovers with
     /// articulated suspension systems, Journal of Field Robotics 37(5), 2020, with another closed form

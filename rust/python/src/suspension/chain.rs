@@ -73,11 +73,7 @@ methods! { RockerBogie:
     /// -------
     /// dict of str to ndarray, shape (..., 4, 4)
     ///     Name to the transform that takes coordinates of the frame to those of R.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an angle is not finite or a shape does not fit.
+    #[doc = raises!("If an angle is not finite or a shape does not fit.")]
     ///
     /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
     /// ICRA 1999.
@@ -99,11 +95,7 @@ methods! { RockerBogie:
     /// dict of str to ndarray, shape (..., 3, joints)
     ///     A1 to A6 to the derivative of the wheel's centre in R [m/rad] by each of `joint_names`. Steering turns a
     ///     wheel about its centre: these columns are 0.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an angle is not finite or a shape does not fit.
+    #[doc = raises!("If an angle is not finite or a shape does not fit.")]
     fn jacobians[&self, py: Python<'py>](joints, steering=None, *, threads: Option<i64> = None)
     -> PyResult<Bound<'py, PyDict>> {
         let workers = any_workers(threads, None)?;

@@ -22,11 +22,7 @@ methods! { Suspension:
     /// ----------
     /// name : str
     ///     One of `Suspension.presets()`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If there is no such preset.
+    #[doc = raises!("If there is no such preset.")]
     #[staticmethod]
     fn preset[py: Python<'py>](name: &str, **)
     as "(name)" -> PyResult<Py<Self>> {
@@ -68,11 +64,7 @@ methods! { RockerBogie:
     /// ----------
     /// name : str
     ///     One of `RockerBogie.presets()`.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If there is no such preset.
+    #[doc = raises!("If there is no such preset.")]
     #[staticmethod]
     fn preset[py: Python<'py>](name: &str, **)
     as "(name)" -> PyResult<Py<Self>> {

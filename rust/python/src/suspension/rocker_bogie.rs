@@ -249,11 +249,7 @@ methods! { RockerBogie:
     #[doc = parameters!(wheel_radius)]
     /// steered, steering_limit, rocker_limit, bogie_limit, differential_bar
     ///     As of the class.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     As of the class.
+    #[doc = raises!("As of the class.")]
     #[staticmethod]
     fn bogie_behind[py: Python<'py>](rocker_pivot, rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear,
         wheel_radius, steered: &str = "corners", steering_limit=None, *, rocker_limit=None, bogie_limit=None,
@@ -274,11 +270,7 @@ methods! { RockerBogie:
     #[doc = parameters!(wheel_radius)]
     /// steered, steering_limit, rocker_limit, bogie_limit, differential_bar
     ///     As of the class.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     As of the class.
+    #[doc = raises!("As of the class.")]
     #[staticmethod]
     fn bogie_in_front[py: Python<'py>](rocker_pivot, rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle,
         wheel_radius, steered: &str = "corners", steering_limit=None, *, rocker_limit=None, bogie_limit=None,

@@ -37,11 +37,7 @@ methods! { RockerBogie:
     /// -------
     /// float or ndarray, shape (...)
     ///     Mean of the unsteered wheels' x, negated [m].
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an angle is not finite or a shape does not fit.
+    #[doc = raises!("If an angle is not finite or a shape does not fit.")]
     fn icr_offset[&self, py: Python<'py>](joints, *, out=None, dtype=None, threads: Option<i64> = None)
     -> PyResult<Bound<'py, PyAny>> {
         let workers = any_workers(threads, None)?;

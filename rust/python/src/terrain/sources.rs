@@ -82,11 +82,7 @@ methods! { Terrain:
     /// -------
     /// Terrain
     ///     Its origin at (0, 0), heights rounded to 0.1 mm.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite or out of its range.
+    #[doc = raises!("If a number is not finite or out of its range.")]
     ///
     /// Source: M. Golombek, D. Rapp, Size-frequency distributions of rocks on Mars and Earth analog sites, Journal of
     /// Geophysical Research 102, 1997.

@@ -30,11 +30,7 @@ methods! { Rover:
     #[doc = parameters!(scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Default ``front_left``, ``front_right``, ``rear_left``, ``rear_right``; in that order.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a length or the limit is not finite and positive.
+    #[doc = raises!("If a length or the limit is not finite and positive.")]
     #[staticmethod]
     fn ackermann[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *, steering_limit=None,
         driven: &str = "rear", scrub=None, trail=None, names: native Option<Vec<String>> = None, **)
@@ -59,11 +55,7 @@ methods! { Rover:
     #[doc = parameters!(scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Default ``front``, ``rear_left``, ``rear_right``; in that order.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a length or the limit is not finite and positive.
+    #[doc = raises!("If a length or the limit is not finite and positive.")]
     #[staticmethod]
     fn tricycle[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *, steering_limit=None,
         driven: &str = "front", scrub=None, trail=None, names: native Option<Vec<String>> = None, **)
@@ -86,11 +78,7 @@ methods! { Rover:
     #[doc = parameters!(scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Default ``front``, ``rear``; in that order.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a length or the limit is not finite and positive.
+    #[doc = raises!("If a length or the limit is not finite and positive.")]
     #[staticmethod]
     fn bicycle[py: Python<'py>](wheelbase: f64, wheel_radius: f64, *, steering_limit=None, driven: &str = "rear",
         scrub=None, trail=None, names: native Option<Vec<String>> = None, **)

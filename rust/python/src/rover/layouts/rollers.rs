@@ -23,11 +23,7 @@ methods! { Rover:
     #[doc = parameters!(scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Default ``front_left``, ``front_right``, ``rear_left``, ``rear_right``; in that order.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a length is not finite and positive, or the rollers leave nothing to drive.
+    #[doc = raises!("If a length is not finite and positive, or the rollers leave nothing to drive.")]
     #[staticmethod]
     fn mecanum[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *,
         roller_angle: Option<f64> = None, scrub=None, trail=None, names: native Option<Vec<String>> = None, **)
@@ -52,11 +48,7 @@ methods! { Rover:
     #[doc = parameters!(scrub_and_trail)]
     /// names : sequence of str, optional
     ///     Default ``wheel_0``, ``wheel_1``, ...
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a value is not finite, the radius not positive, or the rollers leave nothing to drive.
+    #[doc = raises!("If a value is not finite, the radius not positive, or the rollers leave nothing to drive.")]
     #[staticmethod]
     fn omni[py: Python<'py>](positions, headings, wheel_radius: f64, *, roller_angle: Option<f64> = None,
         names: native Option<Vec<String>> = None, scrub=None, trail=None, **)
