@@ -52,6 +52,8 @@ def rasters() -> list[Form]:
         Form("rasters", "NetCDF positive down", netcdf(positive="down")),
         Form("rasters", "NetCDF of two variables", netcdf(extra=True), {"band": "z"}),
         Form("rasters", "NetCDF with x first", netcdf(dims=("x", "y")), help="ncpdq", knowable=False),
+        # It was read as it lies: coordinates without attributes are not in the metadata.
+        Form("rasters", "NetCDF with x first, no attributes", netcdf(dims=("x", "y"), standard=False)),
     ]
     for driver, suffix, mark in (
         ("GSAG", "grd", 1.70141e38),

@@ -1,7 +1,9 @@
 """NetCDF beyond what GDAL tells: names, units and order of coordinates; files of the classic form cut off."""
 
+import contextlib
 import struct
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -44,21 +46,25 @@ def unit_of_axes(dataset: Any, path: Path, axes: dict[str, str]) -> float:
     return size
 
 
-def is_transposed(path: Path, places: tuple[float, float], shape: tuple[int, int], name: str) -> bool:
+def is_transposed(
+    path: Path, places: tuple[float, float], shape: tuple[int, int], names: Sequence[str]
+) -> bool:
     """True where rows of a variable run along x: GDAL takes any last dimension for x.
 
-    `places` are what GDAL takes for x of the first and last column, `name` is that of the coordinate x.
+    `places` are what GDAL takes for x of the first and last column, `names` those the coordinate x may have.
     """
     from rasterio import open as open_dataset
     from rasterio.errors import NotGeoreferencedWarning, RasterioIOError
 
     rows, columns = shape
-    try:
-        with warnings.catch_warnings():
+    values = None
+    for name in names:
+        with contextlib.suppress(RasterioIOError), warnings.catch_warnings():
             warnings.simplefilter("ignore", NotGeoreferencedWarning)
             with open_dataset(f"NETCDF:{path}:{name}") as axis:
                 values = axis.read(1).ravel()
-    except RasterioIOError:
+            break
+    if values is None:
         return False
     ends = {round(float(value), 6) for value in (values[0], values[-1])}
     along_columns = len(values) == columns and ends == {round(place, 6) for place in places}

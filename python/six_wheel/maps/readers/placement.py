@@ -12,6 +12,7 @@ from six_wheel.maps import doubts
 from six_wheel.maps.files import Options, TerrainFileError
 from six_wheel.maps.plausibility import is_in_degrees
 from six_wheel.maps.readers import netcdf
+from six_wheel.maps.readers.points import EAST
 from six_wheel.maps.readers.reference import (
     UNKNOWN,
     Reference,
@@ -104,7 +105,10 @@ def place(dataset: Any, path: Path, options: Options, reference: Reference) -> P
     elif dataset.crs is None and axes:
         metre = netcdf.unit_of_axes(dataset, path, axes)
     ends = [apply(transform, column + 0.5, 0.5)[0] for column in (0, shape[1] - 1)]
-    if axes and netcdf.is_transposed(path, (ends[0], ends[1]), shape, axes.get("x", "")):
+    # Coordinates without any attribute are not in the metadata, but have their names.
+    names = [axes["x"]] if "x" in axes else [each for word in EAST for each in (word, word.capitalize())]
+    own = dataset.driver == "netCDF" and transform == dataset.transform
+    if own and netcdf.is_transposed(path, (ends[0], ends[1]), shape, names):
         transform = type(transform)(*numbers[3:], *numbers[:3])
     placed = Placement(transform, metre, shape)
     right, down, spacing = np.array(placed.right), np.array(placed.down), placed.spacing
