@@ -95,6 +95,10 @@ def test_a_map_of_nav2(tmp_path, head):
             "inflation must be finite and not negative",
         ),
         (lambda: sw.Costmap.from_occupancy_grid(message(), unknown=math.nan), "unknown must be finite"),
+        (
+            lambda: sw.Costmap.from_occupancy_grid(message(), lethal="high"),
+            "lethal must be finite and not negative, got 'high'",
+        ),
     ],
 )
 def test_grids_that_cannot_be_used(made, message):
@@ -115,6 +119,13 @@ def test_files_that_are_no_maps(tmp_path):
         (tmp_path / "m.yaml").write_text(text)
         with pytest.raises(ValueError, match=rule):
             sw.Costmap.read(tmp_path / "m.yaml")
+    (tmp_path / "m.yaml").write_text(turned)
+    with pytest.raises(FileNotFoundError, match=r"a\.pgm must be a file, there is none"):
+        sw.Costmap.read(tmp_path / "m.yaml")
+    with pytest.raises(FileNotFoundError, match=r"none\.yaml must be a file, there is none"):
+        sw.Costmap.read(tmp_path / "none.yaml")
+    with pytest.raises(ValueError, match=r"must be a file, it is a folder"):
+        sw.Costmap.read(tmp_path)
     (tmp_path / "m.yaml").write_bytes(b"\xff\xfe")
     with pytest.raises(ValueError, match=r"m\.yaml: must be YAML"):
         sw.Costmap.read(tmp_path / "m.yaml")

@@ -132,6 +132,12 @@ def test_stretched_projections_are_told_with_both_factors(tmp_path: Path) -> Non
         ({"origin": 3}, "origin must be two numbers, got 3"),
         ({"band": 7}, "has no band 7, it has 1"),
         ({"spacing": 1.0}, "has a place of its own: leave spacing out"),
+        # These were in words of Python and NumPy, or taken for a yes.
+        ({"window": 5}, "window must be x_min, y_min, x_max, y_max, all finite, got 5"),
+        ({"window": (None,) * 4}, "window must be x_min, y_min, x_max, y_max, all finite, got "),
+        ({"north_up": "no"}, "north_up must be True or False, got 'no'"),
+        ({"north_up": np.zeros(2)}, "north_up must be True or False, got array"),
+        ({"spacing": [[1.0], [1.0, 2.0]]}, r"spacing must be a number, got \[1.0\]"),
     ],
 )
 def test_wrong_options_are_named(options: dict[str, Any], message: str, tmp_path: Path) -> None:

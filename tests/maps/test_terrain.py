@@ -159,6 +159,15 @@ def test_terrains_are_values(dtype):
         (np.zeros((2, 2)), {"origin": (0, math.inf)}, r"origin must be finite, got \(0\.0, inf\)"),
         (np.zeros((2, 2)), {"origin": 3}, r"origin must be two numbers, got 3"),
         (np.zeros((2, 2)), {"yaw": math.nan}, r"yaw must be finite, got nan"),
+        # Beside unit= or nodata= these came through, or in words of NumPy; of complex ones half was lost.
+        (
+            [[1.0, 2.0], [3.0]],
+            {"unit": "m"},
+            r"heights must be numbers of one rectangular shape, got a ragged",
+        ),
+        (np.zeros((2, 2), complex), {"nodata": -1}, r"heights must be real numbers, got dtype complex128"),
+        (np.zeros((2, 2), bool), {"unit": "cm"}, r"heights must be real numbers, got dtype bool"),
+        (np.array([["a", "b"], ["c", "d"]]), {"nodata": -1}, r"heights must be real numbers, got dtype <U1"),
         (np.zeros((2, 2)), {"spacing": 1e300}, r"spacing must make a map whose coordinates have digits"),
     ],
 )

@@ -173,6 +173,19 @@ def test_a_planner_is_drawn_over_its_costmap():
         assert len(picture.axes[0].images) == 2 * ("costmap" in options)  # costs, and what is lethal
     with pytest.raises(TypeError, match="costmap must come with plan, the result of the step"):
         sw.plot(planner, costmap=costmap)
+    with pytest.raises(TypeError, match="^plan must be a MppiPlan, got 'abc'$"):
+        sw.plot(planner, plan="abc")
+
+
+def test_arguments_of_a_planned_drive_are_named():
+    """They were in words of Python and NumPy."""
+    from six_wheel.plotting import plan_figure
+
+    costmap, poses = samples()["Costmap"], np.zeros((1, 3))
+    with pytest.raises(ValueError, match="^steering must be real numbers, got 'ahead'$"):
+        plan_figure(ROVER, costmap, poses, "ahead")
+    with pytest.raises(ValueError, match=r"^path must have shape \(m, 2 or more\), got shape \(3,\)$"):
+        plan_figure(ROVER, costmap, poses, np.zeros((1, 4)), path=[0.0, 1.0, 2.0])
 
 
 def test_times_and_distances_are_those_of_the_result():

@@ -38,6 +38,11 @@ def one_line(error: BaseException) -> str:
     return " ".join(str(error).split()) or type(error).__name__
 
 
+def shown(value: object) -> str:
+    """A value in one line, as errors have it."""
+    return " ".join(repr(value).split())[:100]
+
+
 def as_path(argument: str, value: str | os.PathLike[str]) -> Path:
     """The path that an argument is."""
     from pathlib import Path  # nothing else needs it when the package is imported

@@ -10,7 +10,7 @@ from functools import wraps
 from numbers import Real
 from typing import Any, TypeVar, get_origin
 
-from six_wheel.kinematics.errors import ArgumentTypeError, FileError
+from six_wheel.kinematics.errors import ArgumentTypeError, FileError, shown
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 _C = TypeVar("_C", bound=type[Any])
@@ -204,7 +204,7 @@ KINDS: Mapping[str, tuple[str, Callable[[Any], bool]]] = {
     "None": ("None", lambda value: value is None),
     "Path": ("a path", lambda value: isinstance(value, str | os.PathLike)),
     "PathLike": ("a path", lambda value: isinstance(value, str | os.PathLike)),
-    "bool": ("True or False", lambda value: value in (True, False)),
+    "bool": ("True or False", lambda value: not getattr(value, "shape", ()) and value in (True, False)),
     "float": ("a number", lambda value: isinstance(value, Real)),
     "int": ("a whole number", lambda value: hasattr(value, "__index__")),
     "str": ("a str", lambda value: isinstance(value, str)),
@@ -235,7 +235,7 @@ def _mistyped(
                 continue
             if not any(fits(given[name]) for _, fits in stated.values()):
                 words = dict.fromkeys(text for text, _ in stated.values() if text != "None")
-                got = " ".join(repr(given[name]).split())[:100]
+                got = shown(given[name])
                 hint = f": give sw.load({got})" if "Rover" in stated and isinstance(given[name], str) else ""
                 return f"{name} must be {' or '.join(words)}, got {got}{hint}"
     return None

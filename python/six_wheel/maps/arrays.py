@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.errors import SuspiciousUnitsWarning
+from six_wheel.kinematics.errors import ArgumentTypeError, SuspiciousUnitsWarning
 from six_wheel.maps import doubts
 from six_wheel.maps.doubts import answer
 from six_wheel.maps.files import Grid, Options, bracketed_unit, length
@@ -110,13 +110,19 @@ def _values(heights: Any) -> NDArray[Any]:
         single = heights.dtype == np.float32
         filled: NDArray[Any] = np.ma.filled(heights.astype(np.float32 if single else np.float64), np.nan)
         return filled if np.ma.getmaskarray(heights).any() else np.ma.getdata(heights)
-    values = np.asarray(heights)
+    try:
+        values = np.asarray(heights)
+    except ValueError:
+        kind = type(heights).__name__
+        raise ValueError(f"heights must be numbers of one rectangular shape, got a ragged {kind}") from None
     if values.dtype == object:
         try:
             is_table = hasattr(heights, "iloc")
             values = heights.to_numpy(np.float64, na_value=np.nan) if is_table else values.astype(np.float64)
         except (TypeError, ValueError) as error:
             raise ValueError(f"heights must be real numbers: {error}") from None
+    if values.dtype.kind not in "fiu":
+        raise ArgumentTypeError(f"heights must be real numbers, got dtype {values.dtype}")
     return values
 
 

@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Costmap, compose
-from six_wheel.kinematics.errors import FileError, as_path, needed, one_line
+from six_wheel.kinematics.errors import FileError, as_path, needed, one_line, shown
+from six_wheel.kinematics.objects.checked_values import is_number
+from six_wheel.robot_description.missing_files import near_file
 
 Floats = NDArray[np.float64]
 UNKNOWN, LETHAL = 0.5, 0.65
@@ -54,7 +56,7 @@ def read_costmap(
     with needed("six-wheel[cli]", "maps of nav2 need"):
         import yaml
     try:
-        keys = yaml.safe_load(file.read_text())
+        keys = yaml.safe_load(_content(file).decode())
     except RecursionError:
         raise FileError(f"{file}: must be YAML, its brackets are nested too deep") from None
     except (yaml.YAMLError, UnicodeDecodeError) as error:
@@ -132,8 +134,9 @@ def _costmap(
 ) -> Costmap:
     """The costmap of an occupancy, NaN where it is not known, and the pose of its first corner."""
     for name, value in (("inflation", inflation), ("unknown", unknown), ("lethal", lethal)):
-        if not (math.isfinite(value) and value >= 0.0):
-            raise ValueError(f"{name} must be finite and not negative, got {value}")
+        if not (is_number(value) and math.isfinite(value) and value >= 0.0):
+            got = value if is_number(value) else shown(value)
+            raise ValueError(f"{name} must be finite and not negative, got {got}")
     costs = np.where(np.isnan(occupancy), unknown, occupancy)
     costs = inflated(costs, lethal, resolution, inflation)
     # A cell of a grid of ROS is a square of which the origin is the corner; here it is a point in its middle.
@@ -141,9 +144,18 @@ def _costmap(
     return Costmap(costs, resolution, middle[:2], corner[2], lethal=lethal, frame=frame)
 
 
+def _content(path: Path) -> bytes:
+    """Bytes of a file. Fails where it is none."""
+    if path.is_dir():
+        raise FileError(f"{path} must be a file, it is a folder")
+    if not path.exists():
+        raise FileNotFoundError(f"{path} must be a file, there is none{near_file(path)}")
+    return path.read_bytes()
+
+
 def _image(path: Path) -> Floats:
     """Shades of an image from 0, black, to 1."""
-    content = path.read_bytes()
+    content = _content(path)
     if content[:2] in (b"P2", b"P5"):
         return _pgm(path, content)
     try:

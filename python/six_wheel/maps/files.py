@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.kinematics.errors import FileError
+from six_wheel.kinematics.errors import FileError, shown
 from six_wheel.maps.doubts import answer
 from six_wheel.robot_description.doubts import DoubtError
 
@@ -65,6 +65,9 @@ class Options(NamedTuple):
     def checked(self) -> "Options":
         """The same as numbers. Fails where one is none."""
         check(self.window)
+        if not isinstance(self.north_up, int | np.bool_ | None):
+            raise ValueError(f"north_up must be True or False, got {shown(self.north_up)}")
+        north_up = None if self.north_up is None else bool(self.north_up)
         unit = None if self.unit is None else length(self.unit, "unit")
         nodata = self.nodata
         if nodata is not None:
@@ -77,7 +80,7 @@ class Options(NamedTuple):
             turned = answer("spacing", (spacing[0], -spacing[1])).beside(answer("north_up", True))
             hint = ("; for rows that run south ", turned) if south else ()
             raise DoubtError(f"spacing must be finite and positive, got {spacing}", *hint)
-        return self._replace(unit=unit, nodata=nodata, origin=origin, spacing=spacing)
+        return self._replace(unit=unit, nodata=nodata, north_up=north_up, origin=origin, spacing=spacing)
 
     @property
     def marks(self) -> tuple[float, ...]:
@@ -115,18 +118,18 @@ def number(name: str, value: object) -> float:
     try:
         return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise ValueError(f"{name} must be a number, got {value!r}") from None
+        raise ValueError(f"{name} must be a number, got {shown(value)}") from None
 
 
 def pair(name: str, value: object) -> tuple[float, float]:
     """Two numbers; one stands for both of a spacing."""
-    if name == "spacing" and np.ndim(value) == 0:  # type: ignore[arg-type]
+    several = isinstance(value, (tuple, list))
+    if name == "spacing" and not several and np.ndim(value) == 0:  # type: ignore[arg-type]
         return (number(name, value),) * 2
     parts = list(value) if isinstance(value, (tuple, list, np.ndarray)) else []
     if len(parts) != 2:
-        got = " ".join(repr(value).split())
         hint = ", as src.res of a dataset" if name == "spacing" else ""
-        raise ValueError(f"{name} must be two numbers{hint}, got {got}")
+        raise ValueError(f"{name} must be two numbers{hint}, got {shown(value)}")
     return number(name, parts[0]), number(name, parts[1])
 
 
@@ -139,7 +142,7 @@ def length(unit: Unit, name: str) -> float:
     if value is not None and math.isfinite(value) and value > 0:
         return value
     rule = "be m, cm, mm, dm, km, ft, us-ft, in or its length in metres"
-    raise ValueError(f"{name} must {rule}, got {unit!r}")
+    raise ValueError(f"{name} must {rule}, got {shown(unit)}")
 
 
 def named_length(unit: str) -> float | None:
@@ -167,8 +170,12 @@ def check(window: Window | None) -> None:
     """Fails unless a window is one."""
     if window is None:
         return
-    if len(window) != 4 or not all(math.isfinite(value) for value in window):
-        raise ValueError(f"window must be x_min, y_min, x_max, y_max, all finite, got {window}")
+    try:
+        is_window = len(window) == 4 and all(math.isfinite(value) for value in window)
+    except TypeError:
+        is_window = False
+    if not is_window:
+        raise ValueError(f"window must be x_min, y_min, x_max, y_max, all finite, got {shown(window)}")
     if not (window[0] < window[2] and window[1] < window[3]):
         raise ValueError(f"window must be x_min, y_min, x_max, y_max in order, got {window}")
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Terrain
-from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.errors import ArgumentTypeError, shown
 from six_wheel.kinematics.keywords import checked
 from six_wheel.kinematics.poses import Floats
 
@@ -43,7 +43,7 @@ def yard(
     try:
         extent = (float(size), float(size)) if isinstance(size, int | float) else tuple(map(float, size))
     except (TypeError, ValueError):
-        raise ArgumentTypeError(f"size must be one or two lengths, got {size!r}") from None
+        raise ArgumentTypeError(f"size must be one or two lengths, got {shown(size)}") from None
     if len(extent) != 2 or not all(math.isfinite(length) and length > 0 for length in extent):
         raise ValueError(f"size must be one or two lengths, finite and positive, got {size}")
     if not (math.isfinite(spacing) and 0 < spacing <= min(extent)):

@@ -1,5 +1,7 @@
 """Pictures of drives by a planner: over its costmap, beside the path it was to follow."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
@@ -83,6 +85,8 @@ def plan_figure(
     axes.set(xlim=(left - 0.6, right + 0.6), ylim=(low - 0.6, high + 0.6))
     if path is not None:
         asked = np.asarray(path, dtype=np.float64)
+        if asked.ndim != 2 or asked.shape[1] < 2:
+            raise ValueError(f"path must have shape (m, 2 or more), got shape {asked.shape}")
         axes.plot(asked[:, 0], asked[:, 1], color=RECORDED, linewidth=2.5, alpha=0.8, zorder=1.5)
     fit_page(figure, axes)
     write_title(axes, title, f"{length:.2f} m")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Noise, Rover, integrate
-from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.errors import ArgumentTypeError, shown
 from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import GroundTruth, WheelLog
@@ -103,7 +103,7 @@ def generator(seed: int) -> np.random.Generator:
     try:
         return np.random.default_rng(seed)
     except (TypeError, ValueError):
-        raise ArgumentTypeError(f"seed must be a whole number, 0 or more, got {seed!r}") from None
+        raise ArgumentTypeError(f"seed must be a whole number, 0 or more, got {shown(seed)}") from None
 
 
 def step_of(course: Course, rate: float) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Gyroscope, Limits, Noise, RockerBogie, Rover, Terrain, check_kind
-from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.errors import ArgumentTypeError, shown
 from six_wheel.kinematics.keywords import checked
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
@@ -153,7 +153,7 @@ def simulate(
     check_kind("gyroscope", gyroscope)
     slips = [slip] if isinstance(slip, Slip) else slip
     if not isinstance(slips, Sequence) or not all(isinstance(one, Slip) for one in slips):
-        raise ArgumentTypeError(f"slip must be a Slip or several, got {slip!r}")
+        raise ArgumentTypeError(f"slip must be a Slip or several, got {shown(slip)}")
     _check_numbers(rate, speed, jitter, dropped, truth_noise)
     sensors = Sensors(noise or Noise(0.0, 0.0), wheel_encoders, steering_encoders, gyroscope)
     named: dict[str, Any] = {"name": name or f"seed {seed}", "session": session}
@@ -196,7 +196,7 @@ def _check_numbers(
     """Arguments of `simulate` that are numbers."""
     if not (isinstance(truth_noise, Sequence) and len(truth_noise) == 2):
         rule = "must be two deviations, of places [m] and headings [rad]"
-        raise ArgumentTypeError(f"truth_noise {rule}, got {truth_noise!r}")
+        raise ArgumentTypeError(f"truth_noise {rule}, got {shown(truth_noise)}")
     deviations = [("truth_noise", one) for one in truth_noise]
     for argument, value in (("jitter", jitter), ("dropped", dropped), *deviations):
         if not (_is_number(value) and value >= 0.0):

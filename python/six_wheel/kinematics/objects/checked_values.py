@@ -7,14 +7,14 @@ from collections.abc import Mapping
 from functools import wraps
 from typing import Any, TypeVar
 
-from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.errors import ArgumentTypeError, shown
 
 _C = TypeVar("_C", bound=type[Any])
 
 
 def is_number(value: object) -> bool:
     """True of what `float` takes for one number, an array of no axes too; not of True, False and text."""
-    if isinstance(value, bool | str) or not hasattr(value, "__float__"):
+    if isinstance(value, bool | str | type) or not hasattr(value, "__float__"):
         return False
     return not hasattr(value, "__len__") or getattr(value, "shape", None) == ()
 
@@ -50,7 +50,7 @@ def _no_number(kind: type[Any], made: tuple[Any, ...]) -> str:
     except TypeError:
         apart = False
     hint = f"; {kind.__name__}(*values) takes {len(made)} numbers of a sequence" if apart else ""
-    return f"{name} must be a number, got {' '.join(repr(value).split())[:100]}{hint}"
+    return f"{name} must be a number, got {shown(value)}{hint}"
 
 
 def check_columns(table: object, shapes: Mapping[str, str], optional: tuple[str, ...]) -> None:
@@ -68,10 +68,10 @@ def check_columns(table: object, shapes: Mapping[str, str], optional: tuple[str,
         if isinstance(shape, tuple) and rows is None and shape:
             rows = shape[0]
         sizes = [str(rows) if word == "n" else word for word in re.findall(r"\w+", words)]
-        shown = [
+        wanted = [
             size if size.isdigit() else str(given) for size, given in zip(sizes, shape or (), strict=False)
         ]
-        if not isinstance(shape, tuple) or [str(size) for size in shape] != shown[: len(sizes)]:
-            got = f"shape {shape}" if isinstance(shape, tuple) else " ".join(repr(value).split())[:100]
+        if not isinstance(shape, tuple) or [str(size) for size in shape] != wanted[: len(sizes)]:
+            got = f"shape {shape}" if isinstance(shape, tuple) else shown(value)
             count = "" if rows is None else f", n = {rows}"
             raise ArgumentTypeError(f"{name} must be an array of shape {words}{count}, got {got}")

@@ -11,7 +11,7 @@ from matplotlib.colors import LightSource, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from six_wheel._core import Costmap, Terrain
+from six_wheel._core import Costmap, MppiPlan, Terrain
 from six_wheel.plotting.drawing import (
     CENTRE,
     INK,
@@ -142,7 +142,7 @@ def _draw_rollouts(axes: Axes, figure: Figure, paths: Any, costs: Any, words: st
 
 
 def planner_figure(
-    planner: Any, *, title: str | None, plan: Any = None, costmap: Costmap | None = None
+    planner: Any, *, title: str | None, plan: MppiPlan | None = None, costmap: Costmap | None = None
 ) -> Figure:
     """An `Mppi`: the rollouts of its last cycle by their cost, and its plan.
 
