@@ -138,7 +138,8 @@ def drag(shown: Page, view: Any) -> None:
     assert until(lambda: view._handle is not None and view._handle.visible)
     (client,) = view._server.get_clients().values()
     start, size = view.pose[0], view._subject.size
-    for _ in range(20):  # a pull beside the arrow turns the camera; a slow browser sees parts
+    # A pull beside the arrow turns the camera, and a slow browser may see a part of it only.
+    for _ in range(20):
         key(shown, "3")
         assert until(lambda: above(view))
         rest(shown, client.camera)
