@@ -1,5 +1,7 @@
 """Whatever cannot be shown is said in one line, before a port is opened."""
 
+import inspect
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -56,6 +58,9 @@ Open = Callable[..., Any]
         (["husky", "--theme", "pink"], 'theme must be dark or light, got "pink"'),
         (["husky", "--export", "page.png"], 'path must end in .html, got "page.png"'),
         (["husky", "--export", "nowhere/page.html"], "the folder of the output must exist"),
+        (["husky", "--rrd", "run.png"], 'rrd must end in .rrd, got "run.png"'),
+        (["missing.mcap", "--rrd", "run.rrd"], "missing.mcap: no such file"),
+        (["husky", "--rrd", "run.rrd"], "got a rover without its record"),
     ],
 )
 def test_the_command_refuses_in_one_line(
@@ -84,6 +89,22 @@ def test_what_is_nothing_to_see_is_a_type_error() -> None:
     for x in (3, None, object(), sw.Suspension.preset("zoe")):
         with pytest.raises(TypeError, match="x must be a"):
             find_subject(x)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: sw.view("husky", twst=(0, 0, 0)), "view() has no twst; did you mean twist? It takes x, "),
+        (lambda: sw.view(), "view() needs the argument x"),
+        (lambda: sw.view("husky", speed="fast"), "speed must be a number, got 'fast'"),
+        (lambda: sw.view("perseverance", steering_limit=[0.1]), "steering_limit must be a number, got [0.1]"),
+    ],
+)
+def test_arguments_are_named_as_those_of_other_calls(call: Callable[[], Any], message: str) -> None:
+    """They were in words of Python, which named no keyword that was meant."""
+    with pytest.raises(TypeError, match="^" + re.escape(message)):
+        call()
+    assert list(inspect.signature(sw.view).parameters)[:3] == ["x", "ground", "rover"]
 
 
 def test_a_missing_extra_is_named_with_its_install_line() -> None:

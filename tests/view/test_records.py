@@ -89,6 +89,9 @@ def test_objects_are_the_same_records(opened: Open) -> None:
         view.twist = (0.1, 0.0, 0.0)
     with pytest.raises(ValueError, match="time must be finite"):
         view.time = np.nan
+    for time in (None, "3", [1.0]):
+        with pytest.raises(TypeError, match="^time must be a number, got "):
+            view.time = time
 
 
 def test_a_simulation_on_ground_stands_as_it_stood(opened: Open) -> None:
@@ -107,6 +110,25 @@ def test_a_simulation_on_ground_stands_as_it_stood(opened: Open) -> None:
         np.testing.assert_allclose(motion.transform, stand.transform[row], atol=1e-9)
         np.testing.assert_allclose(motion.joints, stand.joints[row], atol=1e-9)
         np.testing.assert_allclose(motion.wheel_speeds, run.wheel_speeds[row], atol=1e-12)
+
+
+def test_a_settled_pose_stands_as_it_settled(opened: Open) -> None:
+    """It was refused as nothing to see."""
+    suspension = sw.RockerBogie.preset("curiosity")
+    ground = sw.Terrain.yard(20.0, 0.1, 0.08, 2)
+    rover, pose = suspension.planar(), (9.0, 11.0, 0.4)
+    steering, _ = rover.inverse((0.1, 0.0, 0.05))
+    for angles in (None, steering):
+        stand = suspension.settle(ground, pose, angles)
+        view = opened(stand)
+        np.testing.assert_allclose(view.motion.transform, stand.transform, atol=1e-9)
+        np.testing.assert_allclose(view.motion.joints, stand.joints, atol=1e-9)
+        np.testing.assert_allclose(view.motion.steering, stand.steering, atol=1e-9)
+    assert opened(stand, at=(12.0, 8.0, 0.0)).pose == (12.0, 8.0, 0.0)
+    with pytest.raises(TypeError, match="^x must be one settled pose, got SettledPose"):
+        find_subject(suspension.settle(ground, [pose, pose]))
+    with pytest.raises(ValueError, match="^ground must be left out for a settled pose, got yard$"):
+        find_subject(stand, "yard")
 
 
 def test_thin_columns_lose_no_peak() -> None:

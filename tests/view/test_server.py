@@ -11,12 +11,14 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 import six_wheel as sw
 from six_wheel.view.server import is_local
+from tests.cli_runs import Run
 
 Open = Callable[..., Any]
 EVIL = "http://evil.example"
@@ -104,6 +106,21 @@ def test_a_port_that_is_taken_or_none_is_refused() -> None:
     for port in (-1, 65536, True, 8080.0):
         with pytest.raises(ValueError, match="port must be from 0 to 65535, got"):
             sw.view("husky", port=port, open=False)  # type: ignore[arg-type]
+
+
+def test_a_page_is_written_without_a_port(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It was saved from a server that anybody on this machine could have asked meanwhile."""
+    bound: list[Any] = []
+    bind = socket.socket.bind
+
+    def noted(one: socket.socket, place: Any) -> None:
+        bound.append(place)
+        bind(one, place)
+
+    monkeypatch.setattr(socket.socket, "bind", noted)
+    assert run("view", "husky", "--export", "page.html")[0] == 0
+    assert Path("page.html").stat().st_size > 500_000
+    assert not bound
 
 
 def test_two_views_at_once_and_closing_twice(opened: Open) -> None:

@@ -9,6 +9,7 @@
 trimesh), which is loaded when a view is opened.
 """
 
+import inspect
 import sys
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -27,11 +28,13 @@ __getattr__, __dir__ = attach(__name__, {"opening": ("view",), "viewing": ("View
 class _Viewing(ModuleType):
     """This package, which can be called: ``six_wheel.view(rover)`` is ``six_wheel.view.view(rover)``."""
 
-    def __call__(self, x: Any, *args: Any, **options: Any) -> "View":
-        from six_wheel.view.opening import view
+    def __call__(self, *args: Any, **options: Any) -> "View":
+        shown: View = self.view(*args, **options)  # with its arguments checked
+        return shown
 
-        return view(x, *args, **options)
+    @property
+    def __signature__(self) -> inspect.Signature:
+        return inspect.signature(self.view)
 
 
-_Viewing.__call__.__qualname__ = "view"  # as messages about its arguments call it
 sys.modules[__name__].__class__ = _Viewing

@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from six_wheel.kinematics.errors import ArgumentTypeError, shown
 from six_wheel.simulation.on_terrain import middle
 from six_wheel.view.motion import State
-from six_wheel.view.subject import Subject, triple
+from six_wheel.view.subject import Subject, number, triple
 
 DEGREES = ("steering_limit", "tilt", "joints")  # of the command line; radians in Python
 TILT = math.radians(30.0)
@@ -32,8 +33,12 @@ def start_state(
     if twist is None:
         rim = subject.wheel_speed * subject.radius / 2.0
         size = max(max(abs(wheel.x), abs(wheel.y)) for wheel in subject.rover.wheels)
-        turn = subject.rover.project((rim, 0.0, rim / max(2.5 * size, 1.2 * subject.rover.min_radius)))
-        twist = turn.tolist()
+        turn = np.array((rim, 0.0, rim / max(2.5 * size, 1.2 * subject.rover.min_radius)))
+        if subject.stand is not None:  # as its wheels are steered, where they agree
+            free = subject.rover.mobility(subject.stand.steering).motion
+            if len(free) == 1:
+                turn = free[0] * np.copysign(rim / np.linalg.norm(free[0]), free[0, 0])
+        twist = subject.rover.project(turn).tolist()
     if joints is not None and (subject.suspension is None or subject.ground is not None or subject.record):
         raise ValueError(f"joints must be left out unless a suspension is shown without ground, got {joints}")
     return State(
@@ -74,7 +79,8 @@ def python_lines(subject: Subject, state: State, time: float | None = None) -> s
     if subject.rover_given is not None:
         options.append(f"rover={repr(subject.rover_given) if subject.rover_given else 'rover'}")
     given = subject.ground_given
-    if given == "flat" or (subject.ground is not None and given != "yard" and subject.record is None):
+    own = subject.record is not None or subject.stand is not None
+    if given == "flat" or (subject.ground is not None and given != "yard" and not own):
         options.append(f"ground={'ground' if given is None else repr(given)}")
     for name, value in _changes(subject, state, time).items():
         if name == "time":
@@ -134,7 +140,7 @@ def _number(value: float) -> str:
 
 
 def _positive(name: str, value: float) -> float:
-    if not (math.isfinite(value) and value > 0.0):
+    if not (math.isfinite(number(name, value)) and value > 0.0):
         raise ValueError(f"{name} must be finite and positive, got {value:g}")
     return float(value)
 
@@ -145,19 +151,21 @@ def _steering_limit(subject: Subject, steering_limit: float) -> float:
         raise ValueError(
             f"steering_limit must be left out for a rover that does not steer, got {steering_limit:g}"
         )
-    if not 0.0 < steering_limit <= most * (1.0 + 1e-9):
+    if not 0.0 < number("steering_limit", steering_limit) <= most * (1.0 + 1e-9):
         raise ValueError(f"steering_limit must be positive and at most {most:g} rad, got {steering_limit:g}")
     return min(float(steering_limit), most)
 
 
 def _scrub(subject: Subject, given: Mapping[str, float]) -> tuple[float, ...]:
     """Scrub of every wheel [m]: the given ones, the others as they are."""
+    if not isinstance(given, Mapping):
+        raise ArgumentTypeError(f"scrub must be a dict of lengths by names of wheels, got {shown(given)}")
     if subject.ground is not None or subject.record is not None:
         raise ValueError(f"scrub must be left out on ground and for a record, got {dict(given)}")
     names = subject.rover.wheel_names
     for name, value in given.items():
         if name not in names:
             raise ValueError(f'scrub must be by names of wheels ({", ".join(names)}), got "{name}"')
-        if not np.isfinite(value):
+        if not np.isfinite(number("scrub", value)):
             raise ValueError(f"scrub must be finite, got {value} for {name}")
     return tuple(float(given.get(wheel.name, wheel.scrub)) for wheel in subject.rover.wheels)

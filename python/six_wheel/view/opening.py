@@ -37,9 +37,9 @@ def view(
 
     Parameters
     ----------
-    x : Rover, RockerBogie, str, PathLike, Track, WheelLog, Simulation or ControlledDrive
-        A rover; the name of a preset; a file with a rover (.yaml, .urdf, .xacro) or a record (.mcap, .csv,
-        .parquet); a result.
+    x : Rover, RockerBogie, SettledPose, str, PathLike, Track, WheelLog, Simulation or ControlledDrive
+        A rover; a settled pose of a RockerBogie, on its ground; the name of a preset; a file with a rover
+        (.yaml, .urdf, .xacro) or a record (.mcap, .csv, .parquet); a result.
     ground : Terrain, str or PathLike, optional
         Ground of a suspension: a map, what `Terrain.read` takes, ``"yard"`` (rocks, the default) or
         ``"flat"``.

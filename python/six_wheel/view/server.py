@@ -7,11 +7,13 @@ import errno
 import http
 import socket
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from importlib.util import find_spec
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+from six_wheel.kinematics.errors import ArgumentTypeError, shown
 from six_wheel.view.export import client_page
 
 if TYPE_CHECKING:
@@ -36,7 +38,7 @@ def free_port(port: int) -> None:
     """Fail unless the port can be opened on the loopback. Raises `ValueError` if it is no port, is taken, or
     may not be opened."""
     if isinstance(port, bool) or not isinstance(port, int) or not 0 <= port <= 65535:
-        raise ValueError(f"port must be from 0 to 65535, got {port}")
+        raise ArgumentTypeError(f"port must be from 0 to 65535, got {shown(port)}")
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -66,7 +68,7 @@ def is_local(hosts: list[str], origins: list[str]) -> bool:
     return all(name in LOOPBACK for name in names) and ports[0] == ports[1]
 
 
-def open_server(port: int) -> viser.ViserServer:
+def open_server(port: int | None) -> viser.ViserServer:
     """A server on the loopback, guarded by `is_local`, without a way to be shared publicly.
 
     Raises `ValueError` if the port cannot be had. Raises `RuntimeError` if this version of viser opens its
@@ -74,11 +76,12 @@ def open_server(port: int) -> viser.ViserServer:
 
     Parameters
     ----------
-    port : int
-        0 takes a free one.
+    port : int or None
+        0 takes a free one, None opens none: nobody is served, and the scene can be saved.
     """
     require()
-    free_port(port)
+    if port is not None:
+        free_port(port)
     import viser
     import websockets.asyncio.server as sockets
 
@@ -97,15 +100,17 @@ def open_server(port: int) -> viser.ViserServer:
 
         def serve(handler: Any, host: Any, bound: Any, **options: Any) -> Any:
             guarded.append(True)
+            if port is None:
+                return _nobody()
             options["process_request"] = _guard(options.get("process_request"), page)
             return opened(handler, host, bound, **options)
 
         sockets.serve = serve
         try:
-            server = LocalServer(host=HOST, port=port, verbose=False, label="six_wheel")
+            server = LocalServer(host=HOST, port=port or 0, verbose=False, label="six_wheel")
         finally:
             sockets.serve = opened
-    if not guarded or port not in (0, server.get_port()):
+    if not guarded or port not in (None, 0, server.get_port()):
         stop_server(server)
         if not guarded:
             raise RuntimeError(
@@ -113,6 +118,12 @@ def open_server(port: int) -> viser.ViserServer:
             )
         raise ValueError(f"port {port} is taken; --port 0 takes a free one")
     return server
+
+
+@contextlib.asynccontextmanager
+async def _nobody() -> AsyncIterator[Any]:
+    """A server without sockets."""
+    yield SimpleNamespace(server=SimpleNamespace(sockets=()))
 
 
 def _guard(process: Callable[[Any, Any], Any] | None, page: bytes) -> Callable[[Any, Any], Any]:

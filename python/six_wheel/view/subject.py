@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from six_wheel._core import Limits, RockerBogie, Rover, Suspension, Terrain
-from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel._core import Limits, RockerBogie, Rover, SettledPose, Suspension, Terrain
+from six_wheel.kinematics.errors import ArgumentTypeError, shown
+from six_wheel.kinematics.objects.checked_values import is_number
 from six_wheel.kinematics.poses import Floats
 from six_wheel.robot_description.doubts import DoubtError, Proposal
 from six_wheel.robot_description.missing_files import no_file
@@ -51,6 +52,8 @@ class Subject:
         The same of the rover a record was given; "" for an object.
     start : tuple of float
         First pose [m, m, rad].
+    stand : SettledPose or None
+        The pose that was given, which has its ground and its steering angles.
     """
 
     rover: Rover
@@ -64,6 +67,7 @@ class Subject:
     ground_given: str | None = None
     rover_given: str | None = None
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    stand: SettledPose | None = None
 
     @property
     def radius(self) -> float:
@@ -141,10 +145,12 @@ def find_subject(
             given=given, rover_given=named,
         )  # fmt: skip
     else:
-        found = named_rover(what, **reading)
+        found = _of_stand(what) if isinstance(what, SettledPose) else named_rover(what, **reading)
     if ground is None and found.ground is None and found.suspension is not None and found.record is None:
         ground = "yard"
     if ground is not None:
+        if found.stand is not None:
+            raise ValueError(f"ground must be left out for a settled pose, got {_shown(ground)}")
         if found.suspension is None and not (isinstance(ground, str) and ground == "flat"):
             raise ValueError(
                 f"ground must be left out for a rover without a suspension, got {_shown(ground)}"
@@ -157,7 +163,7 @@ def find_subject(
         start = triple("at", at)
     elif found.record is not None:
         start = tuple(np.nan_to_num(found.record.poses[0]).tolist())
-    elif found.ground is not None:
+    elif found.ground is not None and found.stand is None:
         start = (*middle(found.ground), 0.0)
     return replace(found, start=(float(start[0]), float(start[1]), float(start[2])))
 
@@ -166,6 +172,8 @@ def find_ground(ground: Any, size: float) -> Terrain | None:
     """A map, what `Terrain.read` takes, ``"yard"`` (rocks, as large as the rover needs) or ``"flat"``."""
     if isinstance(ground, Terrain):
         return ground
+    if not isinstance(ground, str | os.PathLike):
+        raise ArgumentTypeError(f"ground must be a Terrain, a path, yard or flat, got {shown(ground)}")
     if ground == "flat":
         return None
     if ground == "yard":
@@ -195,8 +203,8 @@ def named_rover(
         raise ArgumentTypeError(f"x must be a RockerBogie to be shown on its links, got {what!r}")
     if not isinstance(what, str | os.PathLike):
         raise ArgumentTypeError(
-            f"x must be a Rover, a RockerBogie, a preset, a Track, a WheelLog, a drive or a path, "
-            f"got {type(what).__name__}"
+            "x must be a Rover, a RockerBogie, a SettledPose, a preset, a Track, a WheelLog, a drive "
+            f"or a path, got {type(what).__name__}"
         )
     path, given = Path(what), os.fspath(what)
     if (path.is_file() or path.suffix) and path.suffix.lower() not in (*DESCRIPTIONS, *PARAMETERS):
@@ -211,6 +219,14 @@ def named_rover(
     if found.path is None and (suspension := preset_suspension(given)) is not None:
         rover = suspension.planar()
     return Subject(rover, suspension, found.name, found.limits, robot=found.robot, given=given)
+
+
+def _of_stand(stand: SettledPose) -> Subject:
+    """The subject of a rover at one settled pose, on its ground."""
+    if stand.poses.ndim != 1:
+        raise ArgumentTypeError(f"x must be one settled pose, got {stand!r}")
+    start = triple("x", stand.poses)
+    return replace(named_rover(stand.suspension), ground=stand.ground, start=start, stand=stand)
 
 
 def preset_suspension(name: str) -> RockerBogie | None:
@@ -233,10 +249,17 @@ def triple(name: str, values: Any) -> tuple[float, float, float]:
     try:
         found = tuple(float(value) for value in values)
     except (TypeError, ValueError):
-        raise ArgumentTypeError(f"{name} must be three numbers, got {values!r}") from None
+        raise ArgumentTypeError(f"{name} must be three numbers, got {shown(values)}") from None
     if len(found) != 3 or not np.isfinite(found).all():
-        raise ValueError(f"{name} must be three finite numbers, got {values!r}")
+        raise ValueError(f"{name} must be three finite numbers, got {shown(values)}")
     return found[0], found[1], found[2]
+
+
+def number(name: str, value: Any) -> float:
+    """A number."""
+    if not is_number(value):
+        raise ArgumentTypeError(f"{name} must be a number, got {shown(value)}")
+    return float(value)
 
 
 def _shown(ground: Any) -> str:

@@ -26,7 +26,7 @@ from six_wheel.view.scene.ground import Block
 from six_wheel.view.scene.markers import Markers
 from six_wheel.view.scene.stage import camera_of, set_stage
 from six_wheel.view.server import HOST, open_server, stop_server
-from six_wheel.view.subject import Subject, triple
+from six_wheel.view.subject import Subject, number, triple
 from six_wheel.view.worker import Worker
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class View(Closing):
     Attributes
     ----------
     url : str
-        Its address, on this machine only.
+        Its address, on this machine only; nothing of one that is not served.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class View(Closing):
         subject: Subject,
         state: State,
         *,
-        port: int = 0,
+        port: int | None = 0,
         theme: str = "dark",
     ) -> None:
         if theme not in ("dark", "light"):
@@ -62,7 +62,7 @@ class View(Closing):
         motion = find_motion(subject, state)
         self._server = open_server(port)
         self._dark = theme == "dark"
-        self.url = f"http://{HOST}:{self._server.get_port()}"
+        self.url = "" if port is None else f"http://{HOST}:{self._server.get_port()}"
         try:
             self._make(subject, state, motion)
         except BaseException:
@@ -129,7 +129,7 @@ class View(Closing):
     def time(self, time: float) -> None:
         if self._player is None:
             raise ValueError("time must be left alone without a record")
-        self._player.go(float(time))
+        self._player.go(number("time", time))
         self._compute()
 
     @property

@@ -69,6 +69,10 @@ class Page(NamedTuple):
         Path | None,
         typer.Option(metavar="PAGE.html", help="Write the page, which then needs no server, and end."),
     ] = None
+    rrd: Annotated[
+        Path | None,
+        typer.Option(metavar="RECORD.rrd", help="Write a record .mcap for Rerun, with its layout, and end."),
+    ] = None
     theme: Annotated[str, typer.Option(metavar="dark|light", help="Of the page.")] = "dark"
 
 
@@ -92,8 +96,17 @@ def view(
     from six_wheel.view.opening import browse
     from six_wheel.view.server import free_port, require
 
+    if page.rrd is not None:
+        from six_wheel.cli.commands.convert import write_layout
+
+        if page.rrd.suffix.lower() != ".rrd":
+            raise ValueError(f'rrd must end in .rrd, got "{page.rrd}"')
+        print(write_layout(what, reading, page.rrd))
+        return
     require()
-    free_port(page.port)
+    port = page.port if page.export is None else None
+    if port is not None:
+        free_port(port)
     from six_wheel.view.subject import find_subject
 
     subject = find_subject(
@@ -121,7 +134,7 @@ def view(
         joints=None if scene.joints is None else tuple(map(math.radians, scene.joints)),
         scrub=scrub_of(scene.scrub or ()),
     )
-    shown = View(subject, state, port=page.port, theme=page.theme)
+    shown = View(subject, state, port=port, theme=page.theme)
     with shown:
         if scene.time is not None:
             shown.time = scene.time
