@@ -61,7 +61,7 @@ impl Motion3 {
         let turn = self.rotation.scaled_axis();
         let inverse = left_jacobian_of_turn(&turn).try_inverse();
         let linear = inverse.map_or(self.translation, |inverse| inverse * self.translation);
-        join(&linear, &turn)
+        tangent_of(&linear, &turn)
     }
 
     /// `a_from_c = a_from_b * b_from_c`
@@ -129,7 +129,7 @@ fn split(tangent: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (Vector3::new(tangent[0], tangent[1], tangent[2]), Vector3::new(tangent[3], tangent[4], tangent[5]))
 }
 
-fn join(linear: &Vector3<f64>, turn: &Vector3<f64>) -> Vector6<f64> {
+fn tangent_of(linear: &Vector3<f64>, turn: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(linear.x, linear.y, linear.z, turn.x, turn.y, turn.z)
 }
 
