@@ -5,8 +5,6 @@
 //! `map` for the same reason: a closure might not be inlined.
 
 mod rows;
-#[cfg(test)]
-mod tests;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 

@@ -1,5 +1,9 @@
-use super::*;
-use crate::simd::level::{Kernel, Level};
+//! Functions of registers, and registers in lockstep.
+
+use six_wheel_numerics::simd::float::Float;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::vector::Vector;
 
 struct Roots<'a, R>(&'a [R], &'a mut [[R; 2]]);
 
