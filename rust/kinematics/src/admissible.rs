@@ -9,8 +9,6 @@ pub mod cone;
 pub(crate) mod faces;
 pub(crate) mod projection;
 pub(crate) mod rows;
-#[cfg(test)]
-pub(crate) mod tests;
 
 use nalgebra::Vector3;
 

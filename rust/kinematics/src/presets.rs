@@ -149,25 +149,3 @@ impl Preset {
         calls.into_iter().find(|&(name, range)| preset(name, range).is_ok_and(|made| made == *rover))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_preset_is_a_rover_that_is_known_again() {
-        let range = SteeringRange { lower: -0.3, upper: 0.4 };
-        for Preset { name, .. } in PRESETS {
-            assert_eq!(preset(name, None).ok().and_then(|rover| Preset::of(&rover)), Some((name, None)));
-            if let Ok(rover) = preset(name, Some(range)) {
-                assert_eq!(Preset::of(&rover), Some((name, Some(range))));
-            }
-        }
-    }
-
-    #[test]
-    fn the_rocky_7_bogie_joint_is_where_its_link_puts_it() {
-        let reach = 0.12075 + 0.16 * 139.0_f64.to_radians().cos();
-        assert!((ROCKY7_BOGIE - reach).abs() < 1e-16);
-    }
-}

@@ -3,5 +3,3 @@
 pub mod constants;
 pub mod rows;
 pub mod single;
-#[cfg(test)]
-mod tests;

@@ -91,7 +91,7 @@ impl Kernel for CheckRange<'_> {
 
 impl InverseConstants {
     /// Solves rows that have been checked; writes past the caches if `non_temporal`.
-    pub(crate) fn solve_rows(
+    pub fn solve_rows(
         &self,
         level: Level,
         twists: &[[f64; 3]],

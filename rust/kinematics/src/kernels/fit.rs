@@ -2,9 +2,6 @@
 //! fitted: a steered wheel without scrub and trail measures its pivot's whole velocity, whichever way it points, so that rank
 //! and smallest singular value are constants of the rover. Robust fits start from there.
 
-#[cfg(test)]
-mod tests;
-
 use super::normal_equations::{ForwardConstants, LARGEST_SPEED};
 use super::readings::{FitColumns, ReadingColumns, solve_block};
 use super::robust::{Block, EARLY, LATE, RobustConstants};

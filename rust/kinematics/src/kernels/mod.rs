@@ -13,6 +13,3 @@ pub(crate) mod sensitivity;
 pub mod steered;
 pub mod wheel_lanes;
 pub(crate) mod wheel_rows;
-
-#[cfg(test)]
-mod tests;

@@ -27,19 +27,19 @@ const DETERMINED: f64 = 1e-10;
 
 /// Constants of a rover for the kernels of readings.
 #[derive(Clone, Debug)]
-pub(crate) struct ForwardConstants {
-    pub wheels: Vec<WheelRows>,
-    pub joints: usize,
+pub struct ForwardConstants {
+    pub(crate) wheels: Vec<WheelRows>,
+    pub(crate) joints: usize,
     /// Level of one row.
-    pub level: Level,
+    pub(crate) level: Level,
     /// Directions of the steered wheels at steering angle 0 [rad].
-    pub headings: Vec<Eight>,
+    pub(crate) headings: Vec<Eight>,
     /// False where every row is one of [`RoverData::forward_rarely`]: the twist is never determined, or sizes are extreme.
-    pub is_regular: bool,
+    pub(crate) is_regular: bool,
     /// The part of the normal equations that does not depend on the steering angles, `00 01 02 11 12 22`.
     normal: [f64; 6],
     /// Matrix from the right-hand side to the unknowns, if no part of the normal equations depends on them.
-    pub solution: Option<[[f64; 3]; 3]>,
+    pub(crate) solution: Option<[[f64; 3]; 3]>,
     /// Mean of the pivots [m], and one over their root mean square distance from it [1/m].
     centre: [f64; 2],
     per_size: f64,
@@ -128,7 +128,7 @@ pub(crate) struct Sums<S: Vector> {
 impl ForwardConstants {
     /// Sums over the wheels. `KEEP`: the readings of each wheel along its rows are written to `kept`, for fits.
     /// `CENTRED`: no steered wheel has scrub or trail; a constant, so that the loop has no branch on it.
-    pub fn sum<'a, S: Vector, R: ReadingLanes<'a, S>, const KEEP: bool, const CENTRED: bool>(
+    pub(crate) fn sum<'a, S: Vector, R: ReadingLanes<'a, S>, const KEEP: bool, const CENTRED: bool>(
         &self,
         simd: S,
         readings: R,
@@ -202,7 +202,7 @@ impl ForwardConstants {
     }
 
     /// The unknowns about the centre of the pivots, and the lanes in which they are determined and all readings safe.
-    pub fn solve<S: Vector, const CENTRED: bool>(&self, simd: S, sums: &Sums<S>) -> ([Lanes<S>; 3], Mask<S>) {
+    pub(crate) fn solve<S: Vector, const CENTRED: bool>(&self, simd: S, sums: &Sums<S>) -> ([Lanes<S>; 3], Mask<S>) {
         let splat = |number| Lanes::splat(simd, number);
         if let Some(rows) = &self.solution
             && CENTRED

@@ -1,22 +1,24 @@
 //! Every level and the single call give the same bits, over layouts and inputs of every kind.
 
-use crate::admissible::Keep;
-use crate::admissible::tests::Numbers;
-use crate::batch;
-use crate::rover::{Inputs, Rover};
-use crate::steering::SteeringRange;
-use crate::wheels::{Pivot, Wheel};
+use six_wheel_kinematics::admissible::Keep;
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, Rover};
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::wheels::{Pivot, Wheel};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::threads::workers::Workers;
+
+use crate::random::Numbers;
 
 /// Twists the rover can make: some as they are, most at an end of a range, some at rest, some straight.
 fn possible(rover: &Rover, numbers: &mut Numbers, count: usize) -> Vec<[f64; 3]> {
     let mut twist = |k: usize| {
         let wanted = numbers.twist();
         let wanted = match k % 7 {
-            0 => crate::geometry::Twist { vy: 0.0, ..wanted },
-            1 => crate::geometry::Twist { omega: 0.0, ..wanted },
+            0 => Twist { vy: 0.0, ..wanted },
+            1 => Twist { omega: 0.0, ..wanted },
             _ => wanted,
         };
         match rover.project(wanted, [Keep::Curvature, Keep::Nearest][k % 2]) {

@@ -1,13 +1,13 @@
 //! Rows fitted by constants of the rover, against the same rows by their own equations.
 
-use super::Fits;
-use crate::admissible::tests::Numbers;
-use crate::batch;
-use crate::estimate::{Fit, Method, Unseen};
-use crate::geometry::Twist;
-use crate::rover::{Inputs, Rover};
-use crate::table::{Log, row_mut};
+use six_wheel_kinematics::batch::{self, Fits};
+use six_wheel_kinematics::estimate::{Fit, Measured, Method, Reading, Unseen};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS, Rover};
+use six_wheel_kinematics::table::Log;
 use six_wheel_numerics::error::Error;
+
+use crate::random::Numbers;
 
 /// Result of one row.
 #[derive(Debug, PartialEq)]
@@ -35,6 +35,21 @@ impl FitRow {
     }
 }
 
+/// The fit of one row by its own equations.
+fn fit_alone(
+    rover: &Rover,
+    measured: Measured<'_>,
+    method: Method,
+    residual: &mut [f64],
+    weights: &mut [f64],
+) -> Result<Fit, Error> {
+    let mut readings = [Reading::NONE; MAX_WHEELS];
+    let readings = rover.read(measured, &mut readings);
+    let twist = rover.estimate(readings, measured, method, Unseen::Refuse, weights, residual)?;
+    let (rank, sigma_min) = rover.singular_values(readings, weights);
+    Ok(Fit { twist, rank, sigma_min })
+}
+
 /// Fits all rows of a log at one level; those of single calls have the same bits. Calls `compare` with every row, up to the first
 /// that fails: its number, its fit, and the same by the row's own equations.
 fn for_each_row(
@@ -60,8 +75,7 @@ fn for_each_row(
     for k in 0..count {
         let measured = log.row(rover, k);
         let single = FitRow::new(wheels, |residual, weights| rover.fit(measured, method, unseen, residual, weights));
-        let own =
-            FitRow::new(wheels, |residual, weights| rover.fit_rarely(measured, (method, unseen), residual, weights));
+        let own = FitRow::new(wheels, |residual, weights| fit_alone(rover, measured, method, residual, weights));
         let (single, own) = match (single, own) {
             (Ok(single), Ok(own)) => (single, own),
             (single, own) => {
@@ -135,7 +149,8 @@ fn noisy_log(numbers: &mut Numbers, rover: &Rover, count: usize) -> (Vec<f64>, V
     let (mut steering, mut speeds) = (vec![0.0; count * joints], vec![0.0; count * wheels]);
     for k in 0..count {
         let twist = Twist { vx: numbers.between(-1.0, 1.0), vy: 0.0, omega: numbers.between(-1.0, 1.0) };
-        let (steering, speeds) = (row_mut(&mut steering, joints, k), row_mut(&mut speeds, wheels, k));
+        let steering = &mut steering[k * joints..(k + 1) * joints];
+        let speeds = &mut speeds[k * wheels..(k + 1) * wheels];
         rover.solve(twist, Inputs::default(), steering, speeds);
         for angle in steering.iter_mut() {
             *angle += numbers.between(-0.01, 0.01);

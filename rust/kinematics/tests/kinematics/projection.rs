@@ -1,17 +1,18 @@
 //! The projection by faces against one that tries every face anew, by the definition.
 
 use nalgebra::{Cholesky, Matrix3, Vector3};
-
-use super::Keep;
-use super::faces::VANISHED;
-use super::faces::components;
-use crate::batch;
-use crate::geometry::Twist;
-use crate::rover::Rover;
-use crate::steering::SteeringRange;
-use crate::wheels::{Pivot, Wheel};
+use six_wheel_kinematics::admissible::Keep;
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::geometry::{Direction, Twist};
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_kinematics::wheels::Wheel;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::jacobi::Jacobi;
+
+use crate::random::Numbers;
+
+/// Share of a twist's size below which a component of it is rounding.
+const VANISHED: f64 = 1e-14;
 
 /// A linear condition: the row times the twist is the value.
 type Condition = (Vector3<f64>, f64);
@@ -60,6 +61,26 @@ fn distance(rover: &Rover, a: Twist, b: Twist) -> f64 {
     change.dot(&(rover.metric * change)).sqrt()
 }
 
+/// Components that are kept: indices into the twist.
+fn components(keep: Keep) -> &'static [usize] {
+    match keep {
+        Keep::Curvature => &[0, 2],
+        Keep::Speed => &[0],
+        Keep::YawRate => &[2],
+        Keep::Nearest => &[],
+    }
+}
+
+/// Rows that are 0 where a steered wheel rolls at an end of its range, of those that limit the twist.
+fn limit_rows(rover: &Rover) -> Vec<Vector3<f64>> {
+    let ends = |wheel: &Wheel| {
+        let range = wheel.steering().filter(|range| !range.is_full() || wheel.trail != 0.0)?;
+        let row = |angle: f64| wheel.rows(Direction::from(wheel.heading + angle)).side_slip;
+        Some([row(range.lower), row(range.upper)])
+    };
+    rover.wheels().iter().filter_map(ends).flatten().collect()
+}
+
 /// The nearest admissible twist under linear conditions: no limit, every one and every pair of them.
 fn nearest(rover: &Rover, wanted: Twist, keep: Keep) -> Option<Twist> {
     let target = Vector3::from(wanted);
@@ -67,7 +88,7 @@ fn nearest(rover: &Rover, wanted: Twist, keep: Keep) -> Option<Twist> {
     let kept = components(keep).iter().map(|&k| (unit(k), target[k]));
     let banks = rover.banks.iter().map(|bank| (bank.row, 0.0));
     let mut conditions: Vec<Condition> = banks.chain(kept.clone()).collect();
-    let limits = rover.limit_rows();
+    let limits = limit_rows(rover);
     let mut best: Option<(f64, Twist)> = None;
     let mut attempt = |conditions: &[Condition]| {
         let Some(found) = closest(rover, wanted, conditions) else {
@@ -113,77 +134,6 @@ fn project(rover: &Rover, wanted: Twist, keep: Keep) -> Option<Twist> {
     }
 }
 
-/// Numbers between 0 and 1, the same every time.
-pub(crate) struct Numbers(pub u64);
-
-impl Numbers {
-    #[inline]
-    pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    #[inline]
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-
-    pub fn chance(&mut self, share: f64) -> bool {
-        self.next() < share
-    }
-
-    /// Any wheels: fixed and steered, in ranges of any width, symmetric or not, some with scrub or trail.
-    pub fn rover(&mut self) -> Result<Rover, Error> {
-        let count = 2 + (self.next() * 5.0) as usize;
-        let symmetric = self.chance(0.5);
-        let limit = self.between(0.1, 1.7);
-        let mut wheels = Vec::new();
-        for i in 0..count {
-            let (x, y) = (self.between(-1.0, 1.0), self.between(-1.0, 1.0));
-            let mut wheel = Wheel::new(format!("w{i}"), x, y, self.between(0.05, 0.2));
-            if symmetric && i % 2 == 1 {
-                let other: &Wheel = &wheels[i - 1];
-                (wheel.x, wheel.y) = (other.x, -other.y);
-            }
-            if self.chance(0.7) {
-                let range = if self.chance(0.6) {
-                    SteeringRange::symmetric(limit)?
-                } else {
-                    let lower = self.between(-1.5, 0.5);
-                    SteeringRange { lower, upper: lower + self.between(0.1, 2.5) }
-                };
-                wheel = wheel.steered(range);
-                if self.chance(0.2) {
-                    wheel.heading = self.between(-3.0, 3.0);
-                }
-                if self.chance(0.1) {
-                    wheel.scrub = self.between(-0.1, 0.1);
-                }
-                if self.chance(0.05) {
-                    wheel.trail = self.between(-0.1, 0.1);
-                }
-            } else if self.chance(0.1) {
-                wheel.heading = self.between(-1.0, 1.0);
-            } else if self.chance(0.2) {
-                wheel.trail = self.between(-0.1, 0.1);
-                wheel.pivot = Pivot::Castor;
-            }
-            wheels.push(wheel);
-        }
-        Rover::new(wheels)
-    }
-
-    /// Of any size, sometimes with zeros.
-    pub fn twist(&mut self) -> Twist {
-        let size = 10_f64.powf(self.between(-3.0, 3.0));
-        let mut part = || {
-            if self.chance(0.1) { 0.0 } else { self.between(-size, size) }
-        };
-        let (vx, vy, omega) = (part(), part(), part());
-        Twist { vx, vy, omega }
-    }
-}
-
 #[test]
 fn the_faces_of_any_layout_lead_to_the_nearest_twist() -> Result<(), Error> {
     let mut numbers = Numbers(7);
@@ -199,7 +149,7 @@ fn the_faces_of_any_layout_lead_to_the_nearest_twist() -> Result<(), Error> {
                 assert_eq!(expected.is_some(), found.is_some(), "{rover:?} {wanted:?} {keep:?}");
                 continue;
             };
-            assert!(rover.cone.is_possible(found), "{wanted:?} {keep:?}: {found:?} not {expected:?} {rover:?}");
+            assert!(rover.admissible(found)?, "{wanted:?} {keep:?}: {found:?} not {expected:?} {rover:?}");
             // To rounding, of one face; of two that are equally near, either will do.
             let further = distance(&rover, found, wanted) - distance(&rover, expected, wanted);
             let apart = distance(&rover, found, expected);
