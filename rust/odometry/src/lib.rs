@@ -19,7 +19,7 @@ pub(crate) mod uncertainty;
 pub use health::Health;
 pub use planar::Odometry;
 pub use preintegrated::Preintegrated;
-pub use propagation::pose_gain;
+pub use propagation::{arc, covariance, pose_gain};
 pub use samples::recording::{Recording, Sample, TrackRows};
 pub use samples::skipped_rows::SkippedRows;
 pub use samples::whole_logs::LogOdometry;

@@ -23,6 +23,7 @@ use nalgebra::Matrix3;
 use six_wheel_kinematics::geometry::{Pose, PoseAccumulator, Twist};
 use six_wheel_kinematics::rover::{Inputs, Rover};
 use six_wheel_numerics::error::{Error, HUGE, finite};
+use six_wheel_numerics::simd::level::Level;
 
 /// The sample at which the next step starts.
 #[derive(Clone, Debug)]
@@ -142,6 +143,12 @@ impl Odometry {
     #[inline]
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    /// Chooses the instructions of single samples: of a level with at most four numbers in a register, by default the best
+    /// there is. The results are the same bits at each of them.
+    pub fn set_level(&mut self, level: Level) {
+        self.work.constants.level = level;
     }
 
     /// Pose of the rover.

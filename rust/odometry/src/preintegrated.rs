@@ -377,7 +377,3 @@ impl Residual {
         }
     }
 }
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests;

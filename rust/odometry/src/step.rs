@@ -283,6 +283,3 @@ fn propagate_constant_errors(
         pose_error.pose = numbers(jacobian.propagate(lane(pose_error.pose.into()), lane(*error))).into();
     }
 }
-
-#[cfg(test)]
-mod tests;

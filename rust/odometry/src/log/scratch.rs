@@ -9,7 +9,8 @@ use six_wheel_numerics::simd::level::Level;
 /// Memory of a block per wheel and joint. Every block writes it before it reads it, except the row before the first one
 /// in `ends`, which is loaded from the state.
 pub struct BlockScratch {
-    pub(crate) level: Level,
+    /// Instructions of its kernels.
+    pub level: Level,
     /// Rows before they are split into columns.
     pub(crate) flat: Vec<f64>,
     /// Angle of every joint per count of its encoder [rad].

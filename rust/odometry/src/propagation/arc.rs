@@ -26,16 +26,19 @@ const CHORD_DERIVATIVE: [f64; 7] = {
 
 /// Factors of an arc with the yaw increment 2 h.
 #[derive(Clone, Copy)]
-pub(crate) struct Arc<S: Simd> {
+pub struct Arc<S: Simd> {
     /// Length of the chord over that of the arc, `sin h / h`.
-    chord: Lanes<S>,
+    pub chord: Lanes<S>,
     /// Derivative of that by h.
-    chord_derivative: Lanes<S>,
-    sin: Lanes<S>,
-    cos: Lanes<S>,
+    pub chord_derivative: Lanes<S>,
+    /// `sin h`.
+    pub sin: Lanes<S>,
+    /// `cos h`.
+    pub cos: Lanes<S>,
 }
 
 impl<S: Vector> Arc<S> {
+    /// From half the turn [rad].
     #[inline(always)]
     pub fn new(simd: S, half: Lanes<S>) -> Self {
         let square = half * half;
@@ -63,7 +66,7 @@ impl<S: Vector> Arc<S> {
 
 /// Length of the chord over that of an arc, `sin h / h`, by half its yaw increment h [rad].
 #[inline(always)]
-pub(crate) fn chord_ratio<S: Vector>(simd: S, half: Lanes<S>) -> Lanes<S> {
+pub fn chord_ratio<S: Vector>(simd: S, half: Lanes<S>) -> Lanes<S> {
     let chord = sinc_of_square(simd, half * half);
     let is_large = !half.abs().le(Lanes::splat(simd, std::f64::consts::FRAC_PI_4));
     if !is_large.any() {
@@ -75,7 +78,7 @@ pub(crate) fn chord_ratio<S: Vector>(simd: S, half: Lanes<S>) -> Lanes<S> {
 
 /// Derivatives of the end of a step with respect to its start and to its displacement in body axes.
 #[derive(Clone, Copy)]
-pub(crate) struct StepJacobian<S: Simd> {
+pub struct StepJacobian<S: Simd> {
     /// Displacement in world axes [m].
     pub shift: [Lanes<S>; 2],
     /// First two rows of L, the derivative of the end by the displacement in body axes. The third row is 0, 0, 1: the
@@ -129,13 +132,6 @@ impl<S: Vector> StepJacobian<S> {
             by_displacement: [[splat(a), splat(b), splat(c)], [splat(d), splat(e), splat(f)]],
         }
     }
-
-    /// The matrix L of the last lane.
-    #[cfg(test)]
-    pub fn matrix(&self, simd: S) -> nalgebra::Matrix3<f64> {
-        let [[a, b, c], [d, e, f]] = self.by_displacement.map(|row| row.map(|lanes| lanes.last(simd)));
-        nalgebra::Matrix3::new(a, b, c, d, e, f, 0.0, 0.0, 1.0)
-    }
 }
 
 /// Propagates a pose error through one step: `e' = F e + end`, `F = [[1, 0, lever_x], [0, 1, lever_y], [0, 0, 1]]`,
@@ -147,60 +143,4 @@ pub(crate) fn propagate_error<S: Simd>(
     end: [Lanes<S>; 3],
 ) -> [Lanes<S>; 3] {
     [lever_x.mul_add(z, x + end[0]), lever_y.mul_add(z, y + end[1]), z + end[2]]
-}
-
-#[cfg(test)]
-mod tests {
-    use pulp::Scalar;
-
-    use super::*;
-    use six_wheel_kinematics::geometry::{Pose, Twist, sinc};
-
-    fn lane(number: f64) -> Lanes<Scalar> {
-        Lanes::splat(Scalar, number)
-    }
-
-    #[test]
-    fn a_step_answers_as_its_differences_do() {
-        let yaw: f64 = 0.7;
-        let end = |yaw: f64, displacement: [f64; 3]| -> [f64; 3] {
-            let start = Pose { x: 0.0, y: 0.0, yaw };
-            start.compose(Twist::from(displacement).exp(1.0)).into()
-        };
-        for omega in [0.0, 1e-9, 0.1, -0.3, 0.499_999, 0.500_001, -2.0, 6.0] {
-            let displacement = [0.4, -0.3, omega];
-            let heading = [lane(yaw.sin()), lane(yaw.cos())];
-            let step = StepJacobian::new(displacement.map(lane), Arc::new(Scalar, lane(omega / 2.0)), heading);
-            let ended = end(yaw, displacement);
-            assert!((step.shift[0].last(Scalar) - ended[0]).abs() < 1e-15, "{omega}");
-            assert!((step.shift[1].last(Scalar) - ended[1]).abs() < 1e-15, "{omega}");
-            for k in 0..3 {
-                let (mut more, mut less) = (displacement, displacement);
-                more[k] += 1e-6;
-                less[k] -= 1e-6;
-                let (more, less) = (end(yaw, more), end(yaw, less));
-                for row in 0..3 {
-                    let difference = (more[row] - less[row]) / 2e-6;
-                    let derivative = step.matrix(Scalar)[(row, k)];
-                    assert!((difference - derivative).abs() < 1e-9, "{omega} {row} {k}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn factors_are_the_same_on_both_sides_of_their_bounds() {
-        let eighth = std::f64::consts::FRAC_PI_4;
-        let near = [0.249_999_999, 0.25, 0.250_000_001, eighth, eighth.next_up(), 1e9, 1.1e9];
-        for half in [0.0, 1e-300, 1e-8, 0.1, 3.0, -0.2].into_iter().chain(near) {
-            let arc = Arc::new(Scalar, lane(half));
-            for chord in [arc.chord, chord_ratio(Scalar, lane(half))] {
-                assert!((chord.last(Scalar) - sinc(half)).abs() < 2.0 * f64::EPSILON, "{half}");
-            }
-            assert!((arc.sin.last(Scalar) - half.sin()).abs() < 2.0 * f64::EPSILON, "{half}");
-            assert!((arc.cos.last(Scalar) - half.cos()).abs() < 2.0 * f64::EPSILON, "{half}");
-            let expected = if half.abs() < 1e-3 { -half / 3.0 } else { (half.cos() - sinc(half)) / half };
-            assert!((arc.chord_derivative.last(Scalar) - expected).abs() < 1e-11 * (1.0 + half.abs()), "{half}");
-        }
-    }
 }

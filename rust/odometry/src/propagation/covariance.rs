@@ -13,7 +13,7 @@ use six_wheel_numerics::simd::lanes::Lanes;
 
 /// A symmetric matrix. Sums of squares `v vᵀ` and images `a S aᵀ` keep it positive semidefinite, as covariances are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Covariance3<T = f64> {
+pub struct Covariance3<T = f64> {
     xx: T,
     xy: T,
     xz: T,
@@ -45,6 +45,7 @@ impl Covariance3 {
         Self { xx: matrix.m11, xy: matrix.m12, xz: matrix.m13, yy: matrix.m22, yz: matrix.m23, zz: matrix.m33 }
     }
 
+    /// The whole matrix.
     #[inline]
     pub fn matrix(&self) -> Matrix3<f64> {
         Matrix3::new(
@@ -142,10 +143,11 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Covariance3<
 
     /// Adds another one.
     #[inline(always)]
-    pub fn add_assign(&mut self, other: &Self) {
+    pub(crate) fn add_assign(&mut self, other: &Self) {
         *self = self.and(*other);
     }
 
+    /// Sum of the variances.
     #[inline]
     pub fn trace(&self) -> T {
         self.xx + self.yy + self.zz
@@ -189,7 +191,7 @@ impl Covariance3 {
 
 /// Numbers of one step, each in a register of one lane.
 #[inline(always)]
-pub(crate) fn lane<const N: usize>(numbers: [f64; N]) -> [Lanes<Scalar>; N] {
+pub fn lane<const N: usize>(numbers: [f64; N]) -> [Lanes<Scalar>; N] {
     let mut lanes = [Lanes::splat(Scalar, 0.0); N];
     for (lane, number) in lanes.iter_mut().zip(numbers) {
         *lane = Lanes::splat(Scalar, number);
@@ -270,30 +272,5 @@ impl<S: Simd> Covariance3<Lanes<S>> {
             yz,
             zz: self.zz,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn products_are_those_of_the_whole_matrices() {
-        let mut covariance = Covariance3::default();
-        covariance.add(&Vector3::new(1.0, -2.0, 0.5), 1.0);
-        covariance.add(&Vector3::new(0.3, 0.7, -1.1), 2.0);
-        let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.1, 0.0, 2.0);
-        let whole = a * covariance.matrix() * a.transpose();
-        assert!((covariance.image(&a).matrix() - whole).amax() < 1e-14);
-        let lever = [0.4, -0.9];
-        let swing = Matrix3::new(1.0, 0.0, lever[0], 0.0, 1.0, lever[1], 0.0, 0.0, 1.0);
-        assert!(
-            (covariance.lane().propagate(lane(lever)).total().matrix() - covariance.image(&swing).matrix()).amax()
-                < 1e-14
-        );
-        let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.0, 0.0, 1.0);
-        let moved = covariance.lane().displacement_image(&[lane([1.0, 0.2, -0.4]), lane([0.5, -1.0, 0.3])]).total();
-        assert!((moved.matrix() - covariance.image(&a).matrix()).amax() < 1e-14);
-        assert_eq!(Covariance3::of(&covariance.matrix()), covariance);
     }
 }

@@ -7,7 +7,9 @@ use six_wheel_kinematics::geometry::{Pose, Twist};
 use six_wheel_kinematics::rover::{Inputs, Rover};
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::error::Error;
-use six_wheel_odometry::{Health, Noise, Odometry, Readings, Sample, Settings};
+use six_wheel_odometry::{Health, Noise, Odometry, Readings, Settings};
+
+use crate::sample;
 
 fn rovers() -> impl Strategy<Value = Rover> {
     let dimensions = prop::array::uniform4(0.1..2.0_f64);
@@ -29,10 +31,6 @@ fn wheels(rover: &Rover, wanted: Twist) -> Result<([f64; 4], [f64; 6], Twist), E
     let (mut steering, mut speeds) = ([0.0; 4], [0.0; 6]);
     rover.inverse(twist, Inputs::default(), &mut steering, &mut speeds)?;
     Ok((steering, speeds, twist))
-}
-
-fn sample<'a>(steering: &'a [f64], wheels: &'a [f64], stamp: f64) -> Sample<'a> {
-    Sample { steering, wheels, stamp, yaw: None, yaw_rate: None }
 }
 
 fn apart(a: Pose, b: Pose) -> f64 {

@@ -12,9 +12,7 @@ use six_wheel_odometry::{
     Deviations, Encoder, Gyroscope, LogOdometry, Noise, Odometry, Recording, Sample, Settings, TrackRows,
 };
 
-fn sample<'a>(steering: &'a [f64], wheels: &'a [f64], stamp: f64) -> Sample<'a> {
-    Sample { steering, wheels, stamp, yaw: None, yaw_rate: None }
-}
+use crate::sample;
 
 /// A gyroscope whose bias is a state, or only its noise.
 fn gyroscopes() -> impl Strategy<Value = Option<Gyroscope>> {

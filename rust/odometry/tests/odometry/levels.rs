@@ -4,10 +4,7 @@ use six_wheel_kinematics::rover::Rover;
 use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::Level;
-
-use crate::log::LogBlock;
-use crate::samples::recording::{Recording, Sample, TrackRows};
-use crate::{Gyroscope, Noise, Odometry, Settings};
+use six_wheel_odometry::{Gyroscope, LogOdometry, Noise, Odometry, Recording, Sample, Settings, TrackRows};
 
 /// Readings of a drive in which nothing has to be checked, with a step that turns far.
 struct Drive {
@@ -80,7 +77,7 @@ fn every_level_has_the_same_bits() -> Result<(), Error> {
         let levels = Level::available();
         for level in levels.iter().copied().filter(|level| level.lanes() <= 4) {
             let mut other = fresh.clone();
-            other.work.constants.level = level;
+            other.set_level(level);
             for k in 0..ROWS {
                 other.update(recording.row(wheels, joints, k))?;
             }
@@ -99,9 +96,9 @@ fn every_level_has_the_same_bits() -> Result<(), Error> {
                 weights: None,
                 health: &mut health,
             };
-            let mut scratch = log.block_scratch().ok_or_else(|| Error::value("memory", "be there", "none"))?;
-            scratch.level = level;
-            let count = log.update_rows(&recording, 1, &mut scratch, &mut LogBlock::default(), &mut track);
+            let mut blocks = log.blocks().ok_or_else(|| Error::value("memory", "be there", "none"))?;
+            blocks.0.level = level;
+            let count = log.take_block(&recording, 1, &mut blocks, &mut track);
             assert_eq!(count, ROWS - 1, "{}", level.name());
             assert_eq!(numbers(&best), numbers(&log), "{}", level.name());
         }

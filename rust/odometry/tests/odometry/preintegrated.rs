@@ -1,8 +1,18 @@
-use super::*;
-use crate::Noise;
+//! Motions between two instants: parts and the whole, derivatives against differences.
+
+use nalgebra::{UnitQuaternion, Vector3, Vector6};
 use six_wheel_kinematics::estimate::sensitivity::Quantity;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_kinematics::steering::SteeringRange;
 use six_wheel_kinematics::wheels::{Pivot, Wheel};
 use six_wheel_numerics::threads::workers::never;
+use six_wheel_odometry::preintegrated::space::Motion3;
+use six_wheel_odometry::preintegrated::{
+    Column, DIMENSIONS, ErrorFrame, PLANE, Preintegrated, PreintegrationOptions, Residual,
+};
+use six_wheel_odometry::{Gyroscope, Noise, Sample, Settings};
+
+use crate::sample;
 
 fn noise() -> Noise {
     Noise { speed: 0.02, steering: 0.01, slip: 0.01, side_slip: 0.02, ..Noise::READINGS }
@@ -19,7 +29,7 @@ fn options(gyroscope: Option<Gyroscope>) -> PreintegrationOptions {
 
 /// Any wheels: steered with scrub and trail, fixed, a passive one.
 fn rover(change: impl Fn(usize, &mut Wheel)) -> Rover {
-    let steered = Pivot::Steered(six_wheel_kinematics::steering::SteeringRange::default());
+    let steered = Pivot::Steered(SteeringRange::default());
     let places = [
         ("front", 0.5, 0.1, steered, 0.02, 0.03),
         ("rear", -0.4, -0.2, steered, 0.0, 0.0),
@@ -45,21 +55,20 @@ fn rover(change: impl Fn(usize, &mut Wheel)) -> Rover {
     Rover::new(wheels.collect()).unwrap()
 }
 
+/// Time, steering angles and angles of the wheels of sample `k`.
+fn readings(k: usize) -> (f64, [f64; 2], [f64; 4]) {
+    let t = 0.05 * k as f64;
+    let steering = [0.4 * (0.9 * t).sin(), -0.3 * (0.7 * t).sin()];
+    (t, steering, [6.0 * t, 5.8 * t + (0.5 * t).sin(), 5.5 * t, 6.3 * t])
+}
+
 fn drive(into: &mut Preintegrated, rows: std::ops::Range<usize>, bias: f64) {
     for k in rows {
-        let t = 0.05 * k as f64;
-        let steering = [0.4 * (0.9 * t).sin(), -0.3 * (0.7 * t).sin()];
-        let wheels = [6.0 * t, 5.8 * t + (0.5 * t).sin(), 5.5 * t, 6.3 * t];
-        let sample = Sample {
-            steering: &steering,
-            wheels: &wheels,
-            stamp: t,
-            yaw: None,
-            yaw_rate: into.options.gyroscope.map(|_| 0.3 * t.cos() + bias),
-        };
+        let (t, steering, wheels) = readings(k);
+        let yaw_rate = into.options().gyroscope.map(|_| 0.3 * t.cos() + bias);
         let half = 0.1 * (0.8 * t).sin();
-        let attitude = into.options.in_space.then(|| [half.sin(), 0.0, 0.0, half.cos()]);
-        into.add(sample, attitude).unwrap();
+        let attitude = into.options().in_space.then(|| [half.sin(), 0.0, 0.0, half.cos()]);
+        into.add(Sample { yaw_rate, ..sample(&steering, &wheels, t) }, attitude).unwrap();
     }
 }
 
@@ -205,16 +214,17 @@ fn a_tilted_plane_is_a_plane() {
         PreintegrationOptions { in_space: true, attitude_noise: 0.01, ..options(None) },
     )
     .unwrap();
-    let (mut source, mut yaw) = (whole(rover(|_, _| {}), options(None)), 0.0);
-    source = source.part(0..80, 0.0, 1.0).unwrap();
+    let (source, mut yaw) = (whole(rover(|_, _| {}), options(None)), 0.0);
     for k in 0..80 {
+        let (t, steering, wheels) = readings(k);
         if k > 0 {
-            yaw = source.part(0..k + 1, 0.0, 1.0).unwrap().pose().unwrap().yaw;
+            let [part, _] = source.split(t).unwrap();
+            yaw = part.pose().unwrap().yaw;
         }
-        let turned = tilt * UnitQuaternion::from_scaled_axis(nalgebra::Vector3::z() * yaw);
+        let turned = tilt * UnitQuaternion::from_scaled_axis(Vector3::z() * yaw);
         let parts = turned.coords;
         let attitude = [parts.x, parts.y, parts.z, parts.w];
-        sloped.add(source.sample(k), Some(attitude)).unwrap();
+        sloped.add(sample(&steering, &wheels, t), Some(attitude)).unwrap();
     }
     let seen = sloped.replay(never).unwrap();
     assert!((seen.motion.translation - flat.motion.translation).norm() < 1e-12);
@@ -224,5 +234,3 @@ fn a_tilted_plane_is_a_plane() {
     assert!((about[3] - 2.0 * 1e-4).abs() < 2e-6, "{about}");
     assert!(seen.covariance.symmetric_eigenvalues().min() > -1e-15);
 }
-
-use nalgebra::UnitQuaternion;
