@@ -227,38 +227,3 @@ pub fn stop(speed: f64, rate: f64, deceleration: f64, jerk: f64) -> f64 {
         (after - before).max(0.0)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The quickest stop in small steps.
-    fn simulated(speed: f64, rate: f64, deceleration: f64, jerk: f64) -> f64 {
-        let (mut v, mut a, mut way) = (speed, rate, 0.0);
-        let dt = 1e-5;
-        while v > 0.0 {
-            // The deceleration begins to fall once the speed that is left is what that takes.
-            let ease = a < 0.0 && v <= a * a / (2.0 * jerk);
-            a = if ease { (a + jerk * dt).min(-1e-4) } else { (a - jerk * dt).max(-deceleration) };
-            way += v * dt;
-            v += a * dt;
-        }
-        way
-    }
-
-    #[test]
-    fn the_way_of_a_stop_is_that_of_its_integral() {
-        for (speed, rate, deceleration, jerk) in [
-            (1.0, 0.0, 0.5, 2.0),
-            (0.05, 0.0, 0.5, 2.0),
-            (1.0, 0.4, 0.5, 2.0),
-            (1.0, -0.4, 0.5, 2.0),
-            (0.2, -0.5, 0.5, 2.0),
-            (2.0, 1.0, 3.0, 0.7),
-        ] {
-            let (way, expected) = (stop(speed, rate, deceleration, jerk), simulated(speed, rate, deceleration, jerk));
-            // The steps: about v dt and the tail of the easing.
-            assert!((way - expected).abs() < 2e-3 * expected, "{way} {expected}");
-        }
-    }
-}

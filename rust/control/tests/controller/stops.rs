@@ -1,5 +1,6 @@
 //! Stops and halts.
 
+use six_wheel_control::controller::limits::stop;
 use six_wheel_control::controller::{Controller, Options, reason};
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::Rover;
@@ -122,4 +123,34 @@ fn a_halt_brakes_as_fast_as_it_may_and_nothing_moves_after_the_release() -> Resu
         assert!(controller.command(wanted, 0.0, None)?);
     }
     Ok(())
+}
+
+/// The quickest stop in small steps.
+fn simulated(speed: f64, rate: f64, deceleration: f64, jerk: f64) -> f64 {
+    let (mut v, mut a, mut way) = (speed, rate, 0.0);
+    let dt = 1e-5;
+    while v > 0.0 {
+        // The deceleration begins to fall once the speed that is left is what that takes.
+        let ease = a < 0.0 && v <= a * a / (2.0 * jerk);
+        a = if ease { (a + jerk * dt).min(-1e-4) } else { (a - jerk * dt).max(-deceleration) };
+        way += v * dt;
+        v += a * dt;
+    }
+    way
+}
+
+#[test]
+fn the_way_of_a_stop_is_that_of_its_integral() {
+    for (speed, rate, deceleration, jerk) in [
+        (1.0, 0.0, 0.5, 2.0),
+        (0.05, 0.0, 0.5, 2.0),
+        (1.0, 0.4, 0.5, 2.0),
+        (1.0, -0.4, 0.5, 2.0),
+        (0.2, -0.5, 0.5, 2.0),
+        (2.0, 1.0, 3.0, 0.7),
+    ] {
+        let (way, expected) = (stop(speed, rate, deceleration, jerk), simulated(speed, rate, deceleration, jerk));
+        // The steps: about v dt and the tail of the easing.
+        assert!((way - expected).abs() < 2e-3 * expected, "{way} {expected}");
+    }
 }
