@@ -13,7 +13,7 @@ mod continuation;
 mod derivatives;
 mod linear_system;
 mod newton;
-mod rims;
+pub mod rims;
 mod rows;
 mod settle;
 mod settler;

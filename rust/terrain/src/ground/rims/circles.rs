@@ -22,14 +22,14 @@ macro_rules! both {
 pub(crate) use both;
 
 /// Circles that are searched together.
-pub(crate) const RIMS: usize = 8;
+pub const RIMS: usize = 8;
 
 /// Larger than any gap [m].
-pub(crate) const FAR: f64 = 1e30;
+pub const FAR: f64 = 1e30;
 
 /// The numbers of the lanes.
 #[inline(always)]
-pub(crate) fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; RIMS] {
+pub fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; RIMS] {
     let mut values = [0.0; RIMS];
     lanes.copy_to_slice(&mut values);
     values
@@ -83,7 +83,8 @@ fn singles<S: Vector>(simd: S, ground: &Terrain, place: Lanes<S>) -> [Lanes<S>; 
 /// A circle over a grid: horizontal coordinates in columns and rows, heights in metres. Its points are
 /// `centre + forward sin t - up cos t`, with t the contact angle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct WheelCircle {
+pub struct WheelCircle {
+    /// Hub of the wheel.
     pub centre: [f64; 3],
     /// Radius times the direction in which the wheel rolls.
     pub forward: [f64; 3],
@@ -93,9 +94,12 @@ pub(crate) struct WheelCircle {
 
 /// A circle in every lane.
 #[derive(Clone, Copy)]
-pub(crate) struct RimLanes<S: Vector> {
+pub struct RimLanes<S: Vector> {
+    /// As in [`WheelCircle`].
     pub centre: [Lanes<S>; 3],
+    /// Likewise.
     pub forward: [Lanes<S>; 3],
+    /// Likewise.
     pub up: [Lanes<S>; 3],
 }
 
@@ -136,7 +140,7 @@ impl<S: Vector> Point<S> {
 #[inline_always]
 impl<S: Vector> RimLanes<S> {
     /// The circles from this one on, one per lane; lanes without one repeat the last.
-    pub(crate) fn load(simd: S, circles: &[WheelCircle; RIMS], first: usize) -> Self {
+    pub fn load(simd: S, circles: &[WheelCircle; RIMS], first: usize) -> Self {
         let mut columns = [[0.0; RIMS]; 9];
         for lane in 0..S::F64_LANES {
             let circle = &circles[(first + lane).min(RIMS - 1)];

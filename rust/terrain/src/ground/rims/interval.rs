@@ -5,11 +5,11 @@ use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Minima nearer to each other than this are both kept [m].
-pub(crate) const TIE: f64 = 2e-7;
+pub const TIE: f64 = 2e-7;
 
 /// A part of the lower halves of the rims.
 #[derive(Clone, Copy)]
-pub(crate) struct AngleInterval<S: Vector> {
+pub struct AngleInterval<S: Vector> {
     /// Sine and cosine of the contact angle at its start.
     pub start: [Lanes<S>; 2],
     /// Sine and cosine of the contact angle at its end.
@@ -34,23 +34,24 @@ impl<S: Vector> AngleInterval<S> {
 
 /// The least gap of every rim along an interval.
 #[derive(Clone, Copy)]
-pub(crate) struct GapMinimum<S: Vector> {
+pub struct GapMinimum<S: Vector> {
     /// The gap [m]; [`FAR`] where there is no minimum.
     pub gap: Lanes<S>,
     /// Sine and cosine of its contact angle.
     pub at: [Lanes<S>; 2],
     /// Derivatives of the ground's height by columns and rows [m].
     pub slope: [Lanes<S>; 2],
-    /// The next best minimum [m], if it is at most the margin above the least, and sine and cosine of its contact
-    /// angle.
+    /// The next best minimum [m], if it is at most the margin above the least.
     pub next_gap: Lanes<S>,
+    /// Sine and cosine of its contact angle.
     pub next_at: [Lanes<S>; 2],
     /// Lower bound of all other minima and of the ends of the interval, if it is at most the margin above the gap [m].
     pub others: Lanes<S>,
     /// Lower bound of the gap along arcs whose curvature may change its sign [m].
     pub(super) unresolved: Lanes<S>,
-    /// True if the interval lies over unknown ground, and if it leaves the map.
+    /// True if the interval lies over unknown ground.
     pub unknown: Mask<S>,
+    /// True if it leaves the map.
     pub outside: Mask<S>,
 }
 

@@ -2,8 +2,8 @@
 
 mod arcs;
 mod candidate;
-pub(crate) mod circles;
-pub(crate) mod contact;
-pub(crate) mod extent;
-pub(crate) mod interval;
-pub(crate) mod walk;
+pub mod circles;
+pub mod contact;
+pub mod extent;
+pub mod interval;
+pub mod walk;

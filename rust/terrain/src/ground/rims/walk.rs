@@ -30,7 +30,7 @@ const STEPS: [usize; 2] = [108, 4096];
 
 /// The least gap of every rim along an interval.
 #[inline(always)]
-pub(crate) fn find_min_gap<S: Vector>(
+pub fn find_min_gap<S: Vector>(
     simd: S,
     ground: &Terrain,
     rims: &RimLanes<S>,
