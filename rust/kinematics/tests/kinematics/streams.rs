@@ -3,7 +3,7 @@
 use six_wheel_kinematics::estimate::Unseen;
 use six_wheel_kinematics::geometry::Steps;
 use six_wheel_kinematics::kernels::normal_equations::ForwardConstants;
-use six_wheel_kinematics::pose_logs::integrate::Place;
+use six_wheel_kinematics::pose_logs::integrate::IntegrateLogs;
 use six_wheel_kinematics::pose_logs::logs::Logs;
 use six_wheel_kinematics::presets::preset;
 use six_wheel_kinematics::rover::Inputs;
@@ -87,7 +87,7 @@ fn poses_are_the_same_past_the_caches() {
         for level in Level::available().into_iter() {
             is_the_same(3 * (count + 1), |poses, non_temporal| {
                 let logs = Logs { twists, count, steps, starts: &[[1.0, 2.0, 3.0]] };
-                level.run_any(Place { logs, poses: poses.as_chunks_mut().0, non_temporal });
+                level.run_any(IntegrateLogs { logs, poses: poses.as_chunks_mut().0, non_temporal });
             });
         }
     }

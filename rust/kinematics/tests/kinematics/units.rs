@@ -1,4 +1,4 @@
-//! Questions about numbers that cannot be in metres and radians.
+//! Suspicions of numbers that cannot be in metres and radians.
 
 use std::f64::consts::PI;
 
@@ -11,7 +11,7 @@ use six_wheel_kinematics::units::{SETTINGS, angles, dimensions, settings, wheel}
 use six_wheel_numerics::error::Error;
 
 #[test]
-fn published_rovers_raise_no_question() -> Result<(), Error> {
+fn published_rovers_raise_no_suspicion() -> Result<(), Error> {
     for preset in presets::PRESETS {
         let rover = presets::preset(preset.name, None)?;
         assert_eq!(dimensions(&rover), []);
@@ -20,17 +20,21 @@ fn published_rovers_raise_no_question() -> Result<(), Error> {
 }
 
 #[test]
-fn settings_are_asked_about_beyond_their_range_and_not_at_its_ends() {
+fn settings_are_suspicious_beyond_their_range_and_not_at_its_ends() {
     for (name, quantity) in SETTINGS {
         let largest = quantity.largest();
         for (value, odd) in [(largest, false), (largest.next_up(), true), (f64::INFINITY, false), (f64::NAN, false)] {
             for value in [value, -value] {
-                let asked = settings([(name, value), ("speed", 1e9)]);
-                assert_eq!(asked.iter().map(|question| question.about).collect::<Vec<_>>(), vec![name; odd.into()]);
+                let found = settings([(name, value), ("speed", 1e9)]);
+                assert_eq!(
+                    found.iter().map(|suspicion| suspicion.argument).collect::<Vec<_>>(),
+                    vec![name; odd.into()]
+                );
             }
         }
     }
-    let likely: Vec<String> = settings([("yaw_rate", 60.0)]).into_iter().map(|question| question.likely).collect();
+    let likely: Vec<String> =
+        settings([("yaw_rate", 60.0)]).into_iter().map(|suspicion| suspicion.explanation).collect();
     assert_eq!(likely, ["60 degrees per second are 1.047 rad/s"]);
 }
 
@@ -53,7 +57,7 @@ fn a_module_may_count_its_turns_and_another_wheel_not() -> Result<(), Error> {
 
 #[test]
 fn degrees_and_centimetres_and_exchanged_lengths_do() -> Result<(), Error> {
-    let about = |rover: &Rover| dimensions(rover).first().map(|question| question.about);
+    let about = |rover: &Rover| dimensions(rover).first().map(|suspicion| suspicion.argument);
     let limit = SteeringRange::symmetric(40.0)?;
     assert_eq!(about(&Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, limit)?), Some("steering_limit"));
     for (track, radius) in [(50.0, 10.0), (500.0, 100.0), (0.1, 0.5)] {
@@ -71,7 +75,7 @@ fn degrees_and_centimetres_and_exchanged_lengths_do() -> Result<(), Error> {
 }
 
 #[test]
-fn angles_are_asked_about_half_a_turn_beyond_their_range() -> Result<(), Error> {
+fn angles_are_suspicious_half_a_turn_beyond_their_range() -> Result<(), Error> {
     let limit = SteeringRange::symmetric(1.0)?;
     let rover = Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, limit)?;
     for (angle, asked) in [(1.0 + PI, false), (1.0 + PI + 1e-9, true), (f64::NAN, false)] {

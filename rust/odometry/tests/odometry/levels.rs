@@ -98,7 +98,7 @@ fn every_level_has_the_same_bits() -> Result<(), Error> {
             };
             let mut blocks = log.blocks().ok_or_else(|| Error::value("memory", "be there", "none"))?;
             blocks.0.level = level;
-            let count = log.take_block(&recording, 1, &mut blocks, &mut track);
+            let count = log.update_block(&recording, 1, &mut blocks, &mut track);
             assert_eq!(count, ROWS - 1, "{}", level.name());
             assert_eq!(numbers(&best), numbers(&log), "{}", level.name());
         }
