@@ -144,3 +144,25 @@ def test_what_are_no_numbers_is_named():
         GroundTruth([0, 1], "ab")
     with pytest.raises(ValueError, match="max_gap must be a number, got 'a'"):
         GroundTruth([0, 1], [[0, 0, 0], [1, 1, 1]], max_gap="a")
+
+
+def test_increments_are_an_argument_of_every_reader(tmp_path):
+    """`increments=True in Python` was proposed, and `read_log` and `calibrate` had no such argument."""
+    rover, encoder = sw.Rover.differential(0.2, 0.042), sw.Encoder(4096)
+    stamps = 0.05 * np.arange(400)
+    speeds = 120.0 + 60.0 * np.sin(np.outer(stamps, (0.4, 0.5)))
+    totals = np.rint(np.cumsum(speeds, axis=0))
+    steps = np.diff(totals, axis=0, prepend=totals[:1])
+    path = tmp_path / "log.csv"
+    rows = [f"{t:.2f},{left:.0f},{right:.0f}" for t, (left, right) in zip(stamps, steps, strict=True)]
+    path.write_text("\n".join(["time,left [ticks],right [ticks]", *rows]) + "\n")
+    given = {"wheel_encoders": encoder, "increments": True}
+    log = sw.read_log(path, rover, **given)
+    assert_allclose(log.wheel_angles, (totals - totals[0]) * encoder.angle_per_tick, atol=1e-12)
+    truth = GroundTruth(stamps, sw.dead_reckon(rover, log).poses)
+    for drive in (path, WheelLog(stamps, None, steps)):
+        found = sw.calibrate(rover, drive, truth, ["wheel_radius"], cross_validation=False, **given)
+        assert_allclose(found.values, [0.042], rtol=1e-6)
+    path.write_text(path.read_text().replace("[ticks]", "[rad/s]"))
+    with pytest.raises(ValueError, match="increments must be left out where wheels are read as speeds"):
+        sw.read_log(path, rover, increments=True)

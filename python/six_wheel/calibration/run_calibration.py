@@ -129,8 +129,8 @@ def calibrate(
         Keeps the errors of each set of parameters: a calibration of the same logs that was stopped goes on
         there.
     **how
-        Reading of logs that are paths or tables: `columns`, `wheel_encoders`, `steering_encoders`, `topics`,
-        `stamp_unit`, `plausibility`, as in `read_log`.
+        Reading of logs that are paths or tables: `columns`, `wheel_encoders`, `steering_encoders`,
+        `increments`, `topics`, `stamp_unit`, `plausibility`, as in `read_log`.
 
     Returns
     -------

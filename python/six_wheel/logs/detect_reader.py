@@ -141,7 +141,7 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
                 continue
             counted = "ticks_per_turn" in keys
             if counts[part] and not counted:
-                refuse_counts(source, part, keys)
+                refuse_counts(source, part, options.wheel_keys if part == "wheel" else keys)
             # Speeds are those of the joints: of wheels there is nothing to count, nor are angles turned.
             meant = counts[part] or source.bagged if counted else source.readings != "speeds"
             if meant and not (part == "wheel" and source.readings == "speeds"):
@@ -149,8 +149,8 @@ def _joint_log(path: Path, rover: Rover, options: LogOptions) -> JointLog:
     except BaseException:
         source.close()
         raise
-    increments = options.wheel_keys.get("increments")
-    increments = increments if found["wheel"] or source.readings == "angles" else None
+    meant = bool(found["wheel"]) or source.readings == "angles" or options.increments is not None
+    increments = options.wheel_keys.get("increments") if meant else None
     return JointLog.of_source(source, found["wheel"] or None, found["steering"] or None, increments)
 
 
@@ -187,8 +187,8 @@ def _odometry_options(rover: Rover, options: LogOptions) -> dict[str, Any]:
         direct, keys = encoders_or_keys(name, values)
         if encoders := direct or encoders_of(rover, part, keys):
             given[name] = encoders
-        if keys.get("increments"):
-            given["increments"] = True
+    if options.wheel_keys.get("increments"):
+        given["increments"] = True
     if options.readings == "speeds":
         given["readings"] = options.readings
     return given
@@ -232,8 +232,8 @@ def read_log(
     progress : callable, optional
         Called after every chunk with how far it is and how far it will go.
     **how
-        Options by their names: `columns`, `wheel_encoders`, `steering_encoders`, `topics`, `stamp_unit`,
-        `plausibility`, `max_speed` and others of `LogOptions`.
+        Options by their names: `columns`, `wheel_encoders`, `steering_encoders`, `increments`, `topics`,
+        `stamp_unit`, `plausibility`, `max_speed` and others of `LogOptions`.
 
     Raises
     ------

@@ -43,11 +43,13 @@ class LogOptions:
     plausibility: bool = True
     max_speed: float | None = None
     max_gap: float | None = None
+    increments: bool | None = None  # wheels count from the row before; None: as `wheel_encoders` say
 
     @property
     def wheel_keys(self) -> Mapping[str, Any]:
-        """The key ``wheel_encoders`` of a parameter file; empty where encoders are given themselves."""
-        return encoders_or_keys("wheel_encoders", self.wheel_encoders)[1]
+        """The key ``wheel_encoders`` of a parameter file, without encoders that are given themselves."""
+        keys = encoders_or_keys("wheel_encoders", self.wheel_encoders)[1]
+        return keys if self.increments is None else {**keys, "increments": self.increments}
 
     @property
     def sensor(self) -> Floats:

@@ -119,6 +119,16 @@ def counts() -> Iterator[Form]:
         says=("increments: true",),
     )
     yield of("increments, said", "counts", table(PAIR, steps, "ticks"), options=fix)
+    many = 20.0 * TICKS
+    fine = np.diff(np.rint(PAIR.angles * many / (2.0 * math.pi)).astype(np.int64), axis=0, prepend=0)
+    yield of(
+        "increments of a fine encoder",
+        "counts",
+        table(PAIR, fine, "ticks"),
+        options={"wheel_encoders": {"ticks_per_turn": many}},
+        fix={"increments": True},
+        says=("--increments", "increments=True in Python"),
+    )
     yield of(
         "totals called increments",
         "counts",

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from six_wheel.kinematics.poses import Floats
-from six_wheel.logs.plausibility.proposals import columns
+from six_wheel.logs.plausibility.proposals import columns, encoders
 from six_wheel.logs.plausibility.readings import Readings
 
 ROWS = 50  # of a log in which a wheel does not move
@@ -125,9 +125,12 @@ class WheelTurns:
             return [f"{what}: rates, and no angles? Give{remedy}"]
         trembles = len(self.levels) < LEVELS
         little = not trembles and LITTLE[0] < moved[fastest] < min(LITTLE[1], self.way[fastest] / TO_AND_FRO)
-        if totals and little and rows >= LONG[0] and duration >= LONG[1]:
+        if little and rows >= LONG[0] and duration >= LONG[1]:
             most = f"no wheel turns by more than {moved[fastest]:.3g} rad in {duration:.3g} s"
-            return [f"{most}: are these angles, and not rates or what was turned in each row?"]
+            if totals:
+                return [f"{most}: are these angles, and not rates or what was turned in each row?"]
+            if known.kind == "ticks" and not known.increments_stated:
+                return [f"{most}: are these the counts of each row? Give {encoders(increments=True)}"]
         said = []
         rolled = float(np.nanmax(self.way * np.array([wheel.radius for wheel in known.rover.wheels])))
         if self._of_rows and self.travelled > SLIDES * rolled:
