@@ -1,6 +1,6 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Final, Literal, Self, TypeAlias, final
+from typing import Any, Final, Literal, Self, TypeAlias, final, type_check_only
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -24,66 +24,15 @@ from six_wheel.kinematics.profiles import Peaks, Phase, State, TransitionState
 from six_wheel.kinematics.statuses import BoundsStatus, FeasibilityLimits, FeasibilityReason, SettleStatus
 from six_wheel.logs import WheelLog
 
-__all__ = [
-    "BodySlip",
-    "BodyTransition",
-    "Controller",
-    "ControllerOutput",
-    "ControllerRun",
-    "Costmap",
-    "Encoder",
-    "Feasibility",
-    "FourAxle",
-    "GroundCommand",
-    "GroundMotion",
-    "Gyroscope",
-    "IcrTransition",
-    "Limits",
-    "Link",
-    "MarginJacobian",
-    "Mobility",
-    "ModuleTransition",
-    "Mppi",
-    "MppiPlan",
-    "Noise",
-    "Odometry",
-    "Odometry3",
-    "Odometry3State",
-    "OdometryState",
-    "PoseBounds",
-    "Preintegrated",
-    "Profile",
-    "RockerBogie",
-    "Rover",
-    "SettledPose",
-    "Stability",
-    "SteeringCommand",
-    "Suspension",
-    "Terrain",
-    "Traction",
-    "TwistFit",
-    "TwistJacobian",
-    "Wheel",
-    "WheelSlip",
-    "__version__",
-    "ask_settings",
-    "body_slip",
-    "check_kind",
-    "compose",
-    "default_threads",
-    "differentiate",
-    "exp",
-    "integrate",
-    "log",
-    "reason_bits",
-    "rollout",
-    "set_default_threads",
-    "setting_questions",
-    "simd_levels",
-    "unit_questions",
-    "without_questions",
-    "wrap_angle",
-]
+__all__ = ["BodySlip", "BodyTransition", "Controller", "ControllerOutput", "ControllerRun", "Costmap"]
+__all__ += ["Encoder", "Feasibility", "FourAxle", "GroundCommand", "GroundMotion", "Gyroscope"]
+__all__ += ["IcrTransition", "Limits", "Link", "MarginJacobian", "Mobility", "ModuleTransition", "Mppi"]
+__all__ += ["MppiPlan", "Noise", "Odometry", "Odometry3", "Odometry3State", "OdometryState", "PoseBounds"]
+__all__ += ["Preintegrated", "Profile", "RockerBogie", "Rover", "SettledPose", "Stability", "SteeringCommand"]
+__all__ += ["Suspension", "Terrain", "Traction", "TwistFit", "TwistJacobian", "Wheel", "WheelSlip"]
+__all__ += ["__version__", "ask_settings", "body_slip", "check_kind", "compose", "default_threads"]
+__all__ += ["differentiate", "exp", "integrate", "log", "reason_bits", "rollout", "set_default_threads"]
+__all__ += ["setting_questions", "simd_levels", "unit_questions", "without_questions", "wrap_angle"]
 
 _Floats: TypeAlias = NDArray[np.float64]
 _Out: TypeAlias = NDArray[np.float64] | NDArray[np.float32]
@@ -119,8 +68,26 @@ _Method: TypeAlias = Literal["least_squares", "middle_wheels", "robust"]
 
 __version__: str
 
+@type_check_only
+class _Value:
+    def replace(self, **changes: Any) -> Self: ...
+    def __replace__(self, **changes: Any) -> Self: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+@type_check_only
+class _Transition(_Value):
+    duration: Final[float]
+    rover: Final[Rover]
+    def at(self, times: ArrayLike) -> TransitionState: ...
+
+@type_check_only
+class _Copied:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: object) -> Self: ...
+
 @final
-class Wheel:
+class Wheel(_Value):
     def __new__(
         cls,
         name: str,
@@ -150,15 +117,9 @@ class Wheel:
     roller_angle: Final[float | None]
     driven: Final[bool]
     castor: Final[bool]
-    def replace(self, **changes: Any) -> Wheel: ...
-    def __replace__(self, **changes: Any) -> Wheel: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class TwistFit:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     rover: Final[Rover]
     twist: Final[_Floats]  # (..., 3)
     residuals: Final[_Floats]  # (..., wheels) [m/s], >= 0
@@ -172,7 +133,6 @@ class TwistFit:
 
 @final
 class TwistJacobian:  # what was not asked for is None
-    def __reduce__(self) -> tuple[Any, ...]: ...
     twist: Final[_Floats]  # (..., 3)
     wheel_speeds: Final[_Floats]  # (..., 3, wheels), as all but the next two
     steering: Final[_Floats]  # (..., 3, steered wheels)
@@ -188,7 +148,7 @@ class TwistJacobian:  # what was not asked for is None
     roller_angle: Final[_Floats]
 
 @final
-class Profile:
+class Profile(_Value):
     @staticmethod
     def linear(start: ArrayLike, end: ArrayLike, duration: float) -> Profile: ...
     @staticmethod
@@ -220,14 +180,9 @@ class Profile:
     durations: Final[Any]
     peaks: Final[Peaks]
     def at(self, times: ArrayLike) -> State: ...
-    def replace(self, **changes: Any) -> Profile: ...
-    def __replace__(self, **changes: Any) -> Profile: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
-class BodyTransition:
+class BodyTransition(_Transition):
     @staticmethod
     def between(
         rover: Rover,
@@ -243,17 +198,9 @@ class BodyTransition:
         synchronise: Literal["time", "phase", "none"] | None = None,
         previous: ArrayLike | None = None,
     ) -> BodyTransition: ...
-    duration: Final[float]
-    rover: Final[Rover]
-    def at(self, times: ArrayLike) -> TransitionState: ...
-    def replace(self, **changes: Any) -> BodyTransition: ...
-    def __replace__(self, **changes: Any) -> BodyTransition: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
-class ModuleTransition:
+class ModuleTransition(_Transition):
     @staticmethod
     def between(
         rover: Rover,
@@ -269,17 +216,9 @@ class ModuleTransition:
         wheel_jerk: float | None = None,
         synchronise: Literal["time", "phase", "none"] | None = None,
     ) -> ModuleTransition: ...
-    duration: Final[float]
-    rover: Final[Rover]
-    def at(self, times: ArrayLike) -> TransitionState: ...
-    def replace(self, **changes: Any) -> ModuleTransition: ...
-    def __replace__(self, **changes: Any) -> ModuleTransition: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
-class IcrTransition:
+class IcrTransition(_Transition):
     @staticmethod
     def between(
         rover: Rover,
@@ -295,20 +234,11 @@ class IcrTransition:
         angular_acceleration: float | None = None,
         previous: ArrayLike | None = None,
     ) -> IcrTransition: ...
-    duration: Final[float]
-    rover: Final[Rover]
     stops: Final[int]
     phases: Final[tuple[Phase, ...]]
-    def at(self, times: ArrayLike) -> TransitionState: ...
-    def replace(self, **changes: Any) -> IcrTransition: ...
-    def __replace__(self, **changes: Any) -> IcrTransition: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class Mobility:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     degree_of_mobility: Final[int]
     degree_of_steerability: Final[int]
     degree_of_manoeuvrability: Final[int]
@@ -318,7 +248,7 @@ class Mobility:
     motion: Final[_Floats]  # (degree_of_mobility, 3)
 
 @final
-class Rover:
+class Rover(_Value):
     def __new__(
         cls,
         wheels: Sequence[Wheel],
@@ -536,13 +466,9 @@ class Rover:
     spin_radius: Final[float]
     def save(self, path: str | PathLike[str], **others: Any) -> None: ...
     def replace(self, wheel: str | None = None, /, **changes: Any) -> Rover: ...
-    def __replace__(self, **changes: Any) -> Rover: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
-class Noise:
+class Noise(_Value):
     def __new__(
         cls,
         speed: float | None = None,
@@ -565,14 +491,9 @@ class Noise:
     yaw: Final[float]  # [rad]
     yaw_rate: Final[float]  # [rad/s]
     period: Final[float | None]  # [s]
-    def replace(self, **changes: Any) -> Noise: ...
-    def __replace__(self, **changes: Any) -> Noise: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
-class Encoder:
+class Encoder(_Value):
     def __new__(
         cls,
         ticks_per_turn: float | None = None,
@@ -586,15 +507,9 @@ class Encoder:
     wraps_at: Final[float | None]
     offset: Final[float]  # [rad]
     angle_per_tick: Final[float]  # [rad]
-    def replace(self, **changes: Any) -> Encoder: ...
-    def __replace__(self, **changes: Any) -> Encoder: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class OdometryState:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     rover: Final[Rover]
     stamp: Final[float | None]
     pose: Final[_Floats]  # (3,)
@@ -613,10 +528,7 @@ class OdometryState:
 _Encoders: TypeAlias = Encoder | Sequence[Encoder] | Mapping[str, Encoder]
 
 @final
-class Odometry:
-    def __copy__(self) -> Odometry: ...
-    def __deepcopy__(self, memo: object) -> Odometry: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
+class Odometry(_Copied):
     def __new__(
         cls,
         rover: Rover,
@@ -678,7 +590,7 @@ class Odometry:
     noise: Final[Noise]
 
 @final
-class Gyroscope:
+class Gyroscope(_Value):
     def __new__(
         cls,
         noise: float = 0.005,
@@ -693,17 +605,11 @@ class Gyroscope:
     bias_noise: Final[float]
     bias_walk: Final[float]
     scale_noise: Final[float]
-    def replace(self, **changes: Any) -> Gyroscope: ...
-    def __replace__(self, **changes: Any) -> Gyroscope: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
 _Changes: TypeAlias = dict[str, ArrayLike]
 
 @final
 class Odometry3State:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     stamp: Final[float | None]  # [s]
     pose: Final[_Floats]  # (6,) x, y, z, roll, pitch, yaw [m, rad]
     position: Final[_Floats]  # (3,) [m]
@@ -719,10 +625,7 @@ class Odometry3State:
     health: Final[OdometryHealth]
 
 @final
-class Odometry3:
-    def __copy__(self) -> Odometry3: ...
-    def __deepcopy__(self, memo: object) -> Odometry3: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
+class Odometry3(_Copied):
     def __new__(
         cls,
         suspension: Suspension,
@@ -781,8 +684,7 @@ class Odometry3:
     noise: Final[Noise]
 
 @final
-class Preintegrated:
-    def __reduce__(self) -> tuple[Any, ...]: ...
+class Preintegrated(_Copied):
     def __new__(
         cls,
         rover: Rover,
@@ -827,12 +729,9 @@ class Preintegrated:
     noise: Final[Noise]
     gyroscope: Final[Gyroscope | None]
     def __len__(self) -> int: ...
-    def __copy__(self) -> Preintegrated: ...
-    def __deepcopy__(self, memo: object) -> Preintegrated: ...
 
 @final
 class Link:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     frame: Final[str]
     parent: Final[str]
     joint: Final[str | None]
@@ -844,14 +743,13 @@ class Link:
 
 @final
 class SteeringCommand:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     steering: Final[_Floats]  # (..., steered wheels) [rad]
     wheel_speeds: Final[_Floats]  # (..., 6) [rad/s]
     turning_radius: Final[Any]  # [m]
     scrub: Final[_Floats]  # (..., unsteered wheels) [m/s]
 
 @final
-class Terrain:
+class Terrain(_Value):
     def __new__(
         cls,
         heights: ArrayLike,
@@ -919,15 +817,9 @@ class Terrain:
         threads: int | None = None,
     ) -> NDArray[_Real]: ...
     def contains(self, xy: ArrayLike, *, threads: int | None = None) -> Any: ...
-    def replace(self, **changes: Any) -> Terrain: ...
-    def __replace__(self, **changes: Any) -> Terrain: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class GroundCommand:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     steering: Final[_Floats]  # (..., steered wheels) [rad]
     wheel_speeds: Final[_Floats]  # (..., wheels) [rad/s]
     twist: Final[_Floats]  # (..., 6) [m/s, rad/s]
@@ -939,14 +831,12 @@ class GroundCommand:
 
 @final
 class GroundMotion:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     twist: Final[_Floats]  # (..., 6) [m/s, rad/s]
     joint_rates: Final[_Floats]  # (..., joints) [rad/s]
     residuals: Final[_Floats]  # (..., wheels, 3) [m/s]
 
 @final
 class Traction:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     wheel_speeds: Final[_Floats]  # (..., wheels) [rad/s]
     steering: Final[_Floats]  # (..., steered wheels) [rad]
     contact_angles: Final[_Floats]  # (..., wheels) [rad]
@@ -955,13 +845,11 @@ class Traction:
 
 @final
 class WheelSlip:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     ratio: Final[_Floats]  # (..., wheels)
     angle: Final[_Floats]  # (..., wheels) [rad]
 
 @final
 class BodySlip:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     slip: Final[_Floats]  # (n,)
     statistic: Final[float]
     threshold: Final[float]
@@ -974,7 +862,7 @@ def body_slip(
 ) -> BodySlip: ...
 
 @disjoint_base
-class Suspension:
+class Suspension(_Value):
     @staticmethod
     def triple_bogie(
         *,
@@ -1011,11 +899,6 @@ class Suspension:
         steered: Sequence[int] = ...,
         steering_limit: float | tuple[float, float] | None = None,
     ) -> Suspension: ...
-    def replace(self, **changes: Any) -> Self: ...
-    def __replace__(self, **changes: Any) -> Self: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
     wheel_names: Final[tuple[str, ...]]
     free_joints: Final[tuple[str, ...]]
     def inverse(
@@ -1096,7 +979,6 @@ class Suspension:
 
 @final
 class PoseBounds:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     z: Final[_Floats]  # (..., 2) [m]
     roll: Final[_Floats]  # (..., 2) [rad]
     pitch: Final[_Floats]  # (..., 2) [rad]
@@ -1109,7 +991,6 @@ class PoseBounds:
 
 @final
 class Feasibility:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     ok: Final[Any]
     reason: Final[FeasibilityReason | NDArray[Any]]  # (...) FeasibilityReason
     reason_codes: Final[int | NDArray[np.uint8]]
@@ -1120,7 +1001,6 @@ class Feasibility:
 
 @final
 class Stability:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     loads: Final[_Floats]  # (..., wheels) [N]
     tip_over_angle: Final[Any]  # [rad]
     clearance: Final[Any]  # [m]
@@ -1131,7 +1011,6 @@ class Stability:
 
 @final
 class MarginJacobian:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     tip_over_angle: Final[_Floats]  # (..., 3) or (..., 16)
     clearance: Final[_Floats]  # (..., 3) or (..., 16)
     joint_margins: Final[_Floats]  # (..., joints, 3) or (..., joints, 16)
@@ -1139,7 +1018,6 @@ class MarginJacobian:
 
 @final
 class SettledPose:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     status: Final[SettleStatus | NDArray[Any]]  # (...) SettleStatus
     reason: Final[str | NDArray[Any]]  # (...) str
     ground: Final[Terrain]
@@ -1273,7 +1151,7 @@ class RockerBogie(Suspension):
     dimensions: Final[dict[str, Any]]
 
 @final
-class FourAxle:
+class FourAxle(_Value):
     def __new__(
         cls,
         pivots: ArrayLike,
@@ -1340,14 +1218,9 @@ class FourAxle:
     wheel_radius: Final[float]
     steering_range: Final[tuple[float, float]]
     tolerance: Final[float]
-    def replace(self, **changes: Any) -> FourAxle: ...
-    def __replace__(self, **changes: Any) -> FourAxle: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
-class Limits:
+class Limits(_Value):
     def __new__(
         cls,
         *,
@@ -1387,15 +1260,9 @@ class Limits:
     def __replace__(self, **changes: float | None) -> Limits: ...
     def halting_distance(self, speed: float) -> float: ...
     def stopping_distance(self, speed: float) -> float: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
-class Controller:
-    def __copy__(self) -> Controller: ...
-    def __deepcopy__(self, memo: object) -> Controller: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
+class Controller(_Copied):
     def __new__(
         cls,
         rover: Rover,
@@ -1433,7 +1300,6 @@ class Controller:
 
 @final
 class ControllerOutput:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     rover: Final[Rover]
     commands: Final[dict[str, float]]
     steering: Final[_Floats]
@@ -1447,7 +1313,6 @@ class ControllerOutput:
 
 @final
 class ControllerRun:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     def to_arrays(self) -> dict[str, NDArray[Any]]: ...
     def to_pandas(self) -> Any: ...
     def to_arrow(self) -> Any: ...
@@ -1463,7 +1328,7 @@ class ControllerRun:
     def __len__(self) -> int: ...
 
 @final
-class Costmap:
+class Costmap(_Value):
     def __new__(
         cls,
         values: ArrayLike,
@@ -1494,15 +1359,9 @@ class Costmap:
     lethal: Final[float | None]
     outside: Final[float | None]
     frame: Final[str | None]
-    def replace(self, **changes: Any) -> Costmap: ...
-    def __replace__(self, **changes: Any) -> Costmap: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class Mppi:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     def __new__(
         cls,
         rover: Rover,
@@ -1553,7 +1412,6 @@ class Mppi:
 
 @final
 class MppiPlan:
-    def __reduce__(self) -> tuple[Any, ...]: ...
     twist: Final[_Floats]
     steering: Final[_Floats]
     wheel_speeds: Final[_Floats]
