@@ -8,7 +8,7 @@ from __future__ import annotations  # NumPy is not loaded for its names
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, Self, SupportsFloat, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, TypeAlias
 
 from six_wheel.kinematics import rover_edit
 from six_wheel.kinematics.errors import ArgumentTypeError
@@ -52,12 +52,7 @@ class FourAxleState:
     rear_brake: Brake = "locked"
     pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
-    def replace(self, **changes: Any) -> Self:
-        """The same with some of its values given anew; None is the default of one that has it."""
-        return rover_edit.replace(self, **changes)
-
-    def __replace__(self, **changes: Any) -> Self:
-        return rover_edit.replace(self, **changes)
+    replace = __replace__ = rover_edit.replace
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "steering", _numbers("steering", self.steering, 4))
@@ -97,12 +92,7 @@ class FourAxleStep:
     wheel_speeds: tuple[float | None, float | None, float | None, float | None]
     end: FourAxleState | None = None
 
-    def replace(self, **changes: Any) -> Self:
-        """The same with some of its values given anew; None is the default of one that has it."""
-        return rover_edit.replace(self, **changes)
-
-    def __replace__(self, **changes: Any) -> Self:
-        return rover_edit.replace(self, **changes)
+    replace = __replace__ = rover_edit.replace
 
     def __post_init__(self) -> None:
         if not isinstance(self.action, str):

@@ -13,15 +13,18 @@ from six_wheel.kinematics.keywords import did_you_mean, unknown_keyword
 _T = TypeVar("_T")
 
 
-def replace(value: _T, /, **changes: Any) -> _T:
-    """The value that its constructor makes of the arguments that were given, some of them given anew.
+def replace(self: _T, /, **changes: Any) -> _T:
+    """The same with some of its values given anew; None is the default of one that has it.
 
-    `value` pickles by the call that makes it, or is a named tuple or a dataclass. A change of None leaves out
-    an argument that may be left out. Raises `TypeError` if the call has no such argument.
+    Raises
+    ------
+    TypeError
+        If the call that makes it has no such argument.
     """
-    make, given = _call(value)
+    # The call by which it pickles; that of its class for a named tuple or a dataclass.
+    make, given = _call(self)
     parameters = _parameters(make)
-    _check_names(value, changes, parameters)
+    _check_names(self, changes, parameters)
     arguments = {
         name: argument
         for name, argument in (given | changes).items()
