@@ -7,7 +7,6 @@ import contextlib
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from six_wheel._core import Odometry, Rover
 from six_wheel.kinematics.errors import TableError
 from six_wheel.kinematics.keywords import checked
+from six_wheel.kinematics.objects.tables import Columns
 from six_wheel.kinematics.objects.whole_files import replacing
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, Track
 from six_wheel.kinematics.poses import Floats, joined
@@ -33,10 +33,8 @@ from six_wheel.logs.tables import FORMATS, RowError, table_format
 from six_wheel.logs.writing import TableWriter
 from six_wheel.robot_description.parameters.writing import text_of
 
-UPPER = tuple(zip(*np.triu_indices(3), strict=True))  # of a covariance, which is symmetric
 RECORD = ".mcap"
 LATEST_NANOSECONDS = 9_000_000_000  # [s] since 1970
-COVARIANCES = ("x_x", "x_y", "x_yaw", "y_y", "y_yaw", "yaw_yaw")
 
 
 # Reasons for which a row was not used, in words; the others come from the file's reader.
@@ -80,20 +78,8 @@ class _Run:
         self._places: list[tuple[Floats, Floats]] = []
         self._used = 0
 
-    def units(self) -> dict[str, str]:
-        """Name and unit of the columns of the results; times since 1970 are whole nanoseconds."""
-        stamp = {"time_ns": "ns"} if self._since_1970 else {"time": "s"}
-        pose = {"x": "m", "y": "m", "yaw": "rad"}
-        twist = {"vx": "m/s", "vy": "m/s", "omega": "rad/s"}
-        squares = {
-            f"covariance_{name}": "rad^2" if name == "yaw_yaw" else "m rad" if "yaw" in name else "m^2"
-            for name in COVARIANCES
-        }
-        residuals = {f"residual_{wheel}": "m/s" for wheel in self.log.rover.wheel_names}
-        return stamp | {"row": ""} | pose | twist | squares | residuals | {"health": ""}
-
-    def advance(self, chunk: JointRows, truth: GroundTruth | None) -> list[NDArray[Any]]:
-        """Reckon the rows of a chunk; one array (n,) for each of `units`."""
+    def advance(self, chunk: JointRows, truth: GroundTruth | None) -> Columns:
+        """Reckon the rows of a chunk; the columns of the results, times since 1970 in whole nanoseconds."""
         result = self.result
         if self._odometry is None:
             options = self._settings.options_for(chunk)
@@ -118,12 +104,13 @@ class _Run:
         self._note_truth(chunk, track.poses, truth)
         flat = covariances.reshape(-1, 9)
         result._trace.add(track.poses, np.hstack([chunk.stamps[:, None], flat, residuals]))
-        upper = [covariances[:, i, j] for i, j in UPPER]
-        health = track.health.astype(np.int64)
-        times: NDArray[Any] = chunk.stamps
+        columns: Columns = {"time": ("s", chunk.stamps)}
         if self._since_1970:
-            times = self.log.origin * 1_000_000_000 + np.rint(1e9 * times).astype(np.int64)
-        return [times, chunk.rows, *track.poses.T, *track.twists.T, *upper, *residuals.T, health]
+            nanoseconds = self.log.origin * 1_000_000_000 + np.rint(1e9 * chunk.stamps).astype(np.int64)
+            columns = {"time_ns": ("ns", nanoseconds)}
+        columns["row"] = ("", chunk.rows)
+        columns |= {name: column for name, column in track._columns().items() if name != "time"}
+        return columns | {"health": ("", track.health.astype(np.int64))}
 
     def _rover_of(self, chunk: JointRows) -> Rover:
         """The rover, whose wheels without an encoder do not drive as far as odometry knows."""
@@ -309,8 +296,9 @@ def reckon(
                 raise TableError(f"{path}: {error}") from None
             if target is not None and run.record is None:
                 if writer is None:
-                    writer = stack.enter_context(TableWriter(target, run.units()))
-                writer.write(columns)
+                    units = {name: unit for name, (unit, _) in columns.items()}
+                    writer = stack.enter_context(TableWriter(target, units))
+                writer.write([values for _, values in columns.values()])
             if progress is not None:
                 progress(log.position, log.size)
         result = run.finish(length, known)
