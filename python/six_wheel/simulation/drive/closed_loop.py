@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Controller, Limits, Rover
 from six_wheel.kinematics.controller import Reason, reason_counts, reason_names
+from six_wheel.kinematics.objects.tables import TWIST
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.headers.columns import Unit
 from six_wheel.logs.tables import Chunk, RowError
@@ -126,10 +127,7 @@ class ControlledDrive(Engine):
         self._step = 0
 
     def _more_columns(self) -> dict[str, str]:
-        twists = {"vx": "m/s", "vy": "m/s", "omega": "rad/s"}
-        more = {
-            f"{which}_{name}": unit for which in ("commanded", "limited") for name, unit in twists.items()
-        }
+        more = {f"{which}_{name}": unit for which in ("commanded", "limited") for name, unit in TWIST.items()}
         return more | {"reasons": "1", "reason_names": ""}
 
     def blocks(self, chunk: Chunk) -> Iterator[list[Any]]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from six_wheel._core import Rover, integrate
 from six_wheel.kinematics.errors import InfeasibleMotionError
 from six_wheel.kinematics.objects.notebooks import Shown
+from six_wheel.kinematics.objects.tables import TWIST
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.frames.thinning import Trace
 from six_wheel.logs.headers.columns import Unit
@@ -122,7 +123,7 @@ class Engine(Shown):
         steering, traction = map(list, self.joints)
         time_name = "time" if time_unit.symbol == "s" else f"time_{time_unit.symbol}"
         before = {time_name: time_unit.symbol}
-        after = {"x": "m", "y": "m", "yaw": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
+        after = {"x": "m", "y": "m", "yaw": "rad"} | TWIST
         after |= {f"residual_{wheel}": "m/s" for wheel in self._wheels}
         after |= self._more_columns()
         if len({*steering, *traction, *before, *after}) < len(steering + traction) + len(before | after):
