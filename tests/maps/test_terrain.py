@@ -100,6 +100,25 @@ def test_unknown_and_outside_are_nan():
     assert math.isnan(ground.height_at((2.5, 0.5), method="bicubic"))
 
 
+@pytest.mark.parametrize("yaw", [0.0, 0.4, -2.0])
+@pytest.mark.parametrize("origin", [(0.0, 0.0), (-3.7, 12.1), (451236.1, 5411234.9)])
+@pytest.mark.parametrize("spacing", [0.1, 0.05, 0.3, 1.0, 0.7, 1.0 / 3.0])
+def test_the_last_nodes_are_on_the_map(spacing, origin, yaw):
+    """In 40 of 522 maps the last node, at ``origin + column spacing``, was beside its map by rounding."""
+    for columns in range(2, 60):
+        rows = columns % 7 + 2
+        heights = np.arange(float(rows * columns)).reshape(rows, columns)
+        ground = sw.Terrain(heights, spacing, origin=origin, yaw=yaw)
+        places = nodes(ground)
+        assert ground.contains(places).all()
+        # Places are off by some of their last digits; the ground rises by up to `columns` per spacing.
+        digits = 8.0 * np.spacing(np.abs(places).max()) * (columns + 1) / spacing
+        np.testing.assert_allclose(ground.height_at(places), heights, rtol=0.0, atol=digits)
+        beside = places[-1, -1] + (1e-6 * spacing + 1e-8) * np.array((math.cos(yaw), math.sin(yaw)))
+        assert not ground.contains(beside)
+        assert np.isnan(ground.height_at(beside))
+
+
 def test_single_precision_stays_single_precision():
     heights = np.random.default_rng(0).uniform(-1, 1, (4, 5)).astype(np.float32)
     ground = sw.Terrain(heights[:, ::-1], 0.1)

@@ -106,6 +106,19 @@ impl GridPlacement {
         [u / self.spacing[0], v / self.spacing[1]]
     }
 
+    /// A point of the world [m] in numbers of columns and rows of a grid whose last node is `(columns, rows)`; None off the
+    /// grid and for NaN. A point beyond the rim by no more than the rounding of its coordinates is on the rim: a node at
+    /// `origin + column spacing` is one of the grid.
+    pub fn place_on_grid(&self, [x, y]: [f64; 2], last: [usize; 2]) -> Option<[f64; 2]> {
+        let place = self.grid_from_world(x, y);
+        let rounding = 4.0 * f64::EPSILON * [x, y, self.origin[0], self.origin[1]].map(f64::abs).iter().sum::<f64>();
+        let is_on_grid = (0..2).all(|axis| {
+            let slack = rounding / self.spacing[axis];
+            (-slack..=last[axis] as f64 + slack).contains(&place[axis])
+        });
+        is_on_grid.then(|| [place[0].clamp(0.0, last[0] as f64), place[1].clamp(0.0, last[1] as f64)])
+    }
+
     /// The reverse of [`Self::grid_from_world`].
     #[inline]
     pub fn world_from_grid(&self, column: f64, row: f64) -> [f64; 2] {

@@ -80,17 +80,11 @@ impl Costmap {
 
     /// Fails unless the position is on the map.
     pub fn check_holds(&self, [x, y, _]: [f64; 3]) -> Result<(), Error> {
-        let (last, place) = (self.shape().map(|count| (count - 1) as f64), self.placement.grid_from_world(x, y));
-        let ([x0, y0], [x1, y1]) = (self.placement.origin(), self.placement.world_from_grid(last[1], last[0]));
-        // A position on the border, up to the rounding of its coordinates, is on the map.
-        let rounding = 4.0 * f64::EPSILON * [x, y, x0, y0].iter().map(|value| value.abs()).sum::<f64>();
-        let is_within = |axis: usize, last: f64| {
-            let slack = rounding / self.placement.spacing()[axis];
-            (-slack..=last + slack).contains(&place[axis])
-        };
-        if is_within(0, last[1]) && is_within(1, last[0]) {
+        let [row, column] = self.shape().map(|count| count - 1);
+        if self.placement.place_on_grid([x, y], [column, row]).is_some() {
             return Ok(());
         }
+        let ([x0, y0], [x1, y1]) = (self.placement.origin(), self.placement.world_from_grid(column as f64, row as f64));
         let rule = match self.placement.yaw() {
             0.0 => format!("lie on the costmap (x {x0:?} to {x1:?} m, y {y0:?} to {y1:?} m)"),
             yaw => format!("lie on the costmap (from ({x0:?}, {y0:?}) to ({x1:?}, {y1:?}) m, turned by {yaw:?} rad)"),

@@ -8,7 +8,7 @@ use six_wheel_kinematics::batch;
 use six_wheel_kinematics::geometry::{self as core, Steps};
 
 use crate::convert::{AnyArray, OrRaise, Output, OutputOptions, Rows, compute_rows, refuse, shape_text, together};
-use crate::workers::any_workers;
+use crate::workers::workers;
 pub use integration::{Course, integrate, rollout};
 
 functions! {
@@ -30,7 +30,7 @@ functions! {
     pub fn differentiate[py: Python<'py>](poses, dt, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(poses, dt, *, out=None, dtype=None, threads=None)"
     -> PyResult<AnyArray<'py>> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let poses = Rows::read("poses", poses, 3)?;
         let &[count] = poses.leading.as_slice() else {
             return Err(refuse("poses", "have shape (n + 1, 3)", format!("leading axes {}", shape_text(&poses.leading))));
@@ -95,7 +95,7 @@ fn over_time<'py>(
     threads: Option<i64>,
     map: batch::Map,
 ) -> PyResult<AnyArray<'py>> {
-    let workers = any_workers(threads, None)?;
+    let workers = workers(threads, None)?;
     let mut rows = Rows::read(argument, value, 3)?;
     let one = PyFloat::new(py, 1.0).into_any();
     let mut dt = Rows::read_numbers("dt", dt.unwrap_or(&one))?;
@@ -129,7 +129,7 @@ functions! {
     pub fn compose[py: Python<'py>](first, second, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(first, second, *, out=None, dtype=None, threads=None)"
     -> PyResult<AnyArray<'py>> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let mut first = Rows::read("first", first, 3)?.finite()?;
         let mut second = Rows::read("second", second, 3)?.finite()?;
         together([&mut first, &mut second])?;
@@ -157,7 +157,7 @@ functions! {
     pub fn wrap_angle[py: Python<'py>](angle, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(angle, *, out=None, dtype=None, threads=None)"
     -> PyResult<Bound<'py, PyAny>> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let angles = Rows::read_numbers("angle", angle)?.finite()?;
         if angles.leading.is_empty() && out.is_none() && dtype.is_none() {
             let wrapped = core::wrap_angle(angles.flat()[0]);

@@ -14,7 +14,7 @@ use crate::controller::limits::Limits;
 use crate::convert::{Array, OrRaise, Out, Output, Results, Rows, compute_rows, number, one_row, refuse};
 use crate::rover::Rover;
 use crate::state_lock::{Shared, Turn};
-use crate::workers::any_workers;
+use crate::workers::workers;
 use costmap::Costmap;
 use inputs::{Seen, check_frame, points, pose_or_place, precision, read_weights, size, whole};
 pub use plan::MppiPlan;
@@ -246,7 +246,7 @@ methods! { Mppi:
         let map = costmap.as_ref().map(|map| &map.get().core);
         check_frame(costmap.as_ref(), frame.or(seen.frame.as_deref()))?;
         let mut outputs = self.outputs(py, out)?;
-        let workers = any_workers(threads, level)?;
+        let workers = workers(threads, level)?;
         let situation = CycleInput {
             pose: pose.triples()[0],
             twist: twist.as_ref().map_or([0.0; 3], |rows| rows.triples()[0]),

@@ -16,7 +16,7 @@ use crate::classes::hash_of_numbers;
 use crate::convert::{
     OrRaise, Output, OutputOptions, Rows, memory, pair, pair_or_one, read_array, refuse_shape, scalar_or_array, singles,
 };
-use crate::workers::{any_workers, fill_rows};
+use crate::workers::{fill_rows, workers};
 
 /// Ground as a regular grid of heights.
 ///
@@ -103,7 +103,7 @@ impl Terrain {
         threads: Option<i64>,
         answer: impl Fn(f64, [f64; 2], &mut [f64]) + Sync + Send,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let method: Interpolation = method.parse().or_raise(&[])?;
         let rows = Rows::read("xy", xy, 2)?;
         let mut shape = rows.leading.clone();
@@ -293,7 +293,7 @@ methods! { Terrain:
     /// bool or ndarray, shape (...)
     #[doc = raises!("If a shape does not fit.")]
     fn contains[&self, py: Python<'py>](xy, *, threads: Option<i64> = None) -> PyResult<Py<PyAny>> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let rows = Rows::read("xy", xy, 2)?;
         let (points, ground) = (rows.pairs(), &*self.0);
         let mut inside = memory::filled(false, points.len())?;

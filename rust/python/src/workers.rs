@@ -9,23 +9,12 @@ use six_wheel_numerics::threads::workers::Workers;
 
 use crate::convert::{OrRaise, compute_rows, is_interrupted, refuse};
 
-/// Rows from which a kernel may be worth looking for.
-const BATCH: usize = 8;
-
 /// Threads of a call that does not say. It is here and not in the core, and changes no result.
 static DEFAULT_THREADS: AtomicUsize = AtomicUsize::new(1);
 
-/// The threads and the level for a call with this number of rows.
-pub fn workers(rows: usize, threads: Option<i64>, level: Option<&str>) -> PyResult<Workers> {
-    let workers = any_workers(threads, level)?;
-    Ok(match level {
-        None if rows < BATCH => Workers { level: Level::Scalar, ..workers },
-        _ => workers,
-    })
-}
-
-/// The same where there are kernels for any number of rows.
-pub fn any_workers(threads: Option<i64>, level: Option<&str>) -> PyResult<Workers> {
+/// The threads and the level of a call. The level does not depend on the number of rows: no result depends on the rows
+/// beside it.
+pub fn workers(threads: Option<i64>, level: Option<&str>) -> PyResult<Workers> {
     let threads = threads.map_or_else(|| Ok(DEFAULT_THREADS.load(Ordering::Relaxed)), count)?;
     let level = match level {
         Some(name) => name.parse().or_raise(&[])?,

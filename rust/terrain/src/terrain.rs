@@ -168,8 +168,7 @@ impl Terrain {
     /// True if a point of the world is on the map, its edge included.
     #[inline]
     pub fn contains(&self, x: f64, y: f64) -> bool {
-        let [u, v] = self.placement.grid_from_world(x, y);
-        self.on_grid(u, v)
+        self.placement.place_on_grid([x, y], [self.columns - 1, self.rows - 1]).is_some()
     }
 
     /// True if a point in columns and rows is on the map, its edge included. False for NaN.
@@ -180,16 +179,18 @@ impl Terrain {
 
     /// Height and gradient of the ground at a point of the world [m].
     pub fn sample(&self, x: f64, y: f64, interpolation: Interpolation) -> Sample {
-        let [x0, y0] = self.placement.origin();
-        self.sample_offset(x - x0, y - y0, interpolation)
+        let place = self.placement.place_on_grid([x, y], [self.columns - 1, self.rows - 1]);
+        place.map_or(Sample::Outside, |place| self.sample_place(place, interpolation))
     }
 
     /// [`Self::sample`] at these distances from node (0, 0) along x and y of the world [m].
     pub fn sample_offset(&self, x: f64, y: f64, interpolation: Interpolation) -> Sample {
         let [u, v] = self.placement.grid_from_offset(x, y);
-        if !self.on_grid(u, v) {
-            return Sample::Outside;
-        }
+        if self.on_grid(u, v) { self.sample_place([u, v], interpolation) } else { Sample::Outside }
+    }
+
+    /// Height and gradient at a point of the grid in numbers of columns and rows.
+    fn sample_place(&self, [u, v]: [f64; 2], interpolation: Interpolation) -> Sample {
         // The last line of nodes belongs to the last cell.
         let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
         let (a, b) = (u - i as f64, v - j as f64);

@@ -12,7 +12,7 @@ use crate::classes::hash_of_numbers;
 use crate::convert::{AnyArray, Output, Rows};
 use crate::rover::Rover;
 use crate::wheel::{steering_limit, steering_range};
-use crate::workers::{any_workers, fill_rows};
+use crate::workers::{fill_rows, workers};
 use values::{array, axles, brake, drives, raised, value, vector};
 
 /// Four axles on lockable pivots: four-wheel steering, dual differential drive, and their hybrid.
@@ -181,7 +181,7 @@ methods! { FourAxle:
     ///     If a coordinate is NaN, or both are infinite.
     fn concurrent_angles[&self, py: Python<'py>](icr, *, out=None, dtype=None, threads: Option<i64> = None)
     -> PyResult<AnyArray<'py>> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let points = Rows::read("icr", icr, 2)?;
         let shape: Vec<usize> = points.leading.iter().copied().chain([4]).collect();
         let mut angles = Output::asked(py, (out, dtype), &shape)?;

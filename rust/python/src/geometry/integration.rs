@@ -13,7 +13,7 @@ use crate::convert::{
     refuse, refuse_shape, shape_text,
 };
 use crate::rover::Rover;
-use crate::workers::{any_workers, workers};
+use crate::workers::workers;
 
 /// Logs of twists, with what goes with them.
 pub struct Course<'py> {
@@ -191,7 +191,7 @@ functions! {
             }
         };
         let mut poses = course.poses(py, out, Precision::read(py, dtype, out)?)?;
-        let workers = any_workers(threads, level)?;
+        let workers = workers(threads, level)?;
         let present = Present {
             twist: twist.as_ref().map_or([0.0; 3], |rows| rows.triples()[0]),
             steering: steering.as_ref().map(Rows::flat),
@@ -217,7 +217,7 @@ fn poses_along<'py>(
     let precision = Precision::read(py, dtype, out)?;
     let mut poses = course.poses(py, out, precision)?;
     let rows = course.twists.count();
-    let workers = Workers { fresh: poses.is_unseen(), ..workers(rows, threads, level)? };
+    let workers = Workers { fresh: poses.is_unseen(), ..workers(threads, level)? };
     let (twists, steps, starts) = (course.twists.table(), course.durations(), course.starts());
     let (count, target) = (course.count, poses.triples());
     compute(py, rows, || batch::integrate(twists, count, steps, starts, target, workers))

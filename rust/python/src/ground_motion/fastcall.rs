@@ -12,7 +12,7 @@ use super::traction::{Traction, TractionRow};
 use crate::fastcall::{Answer, Arguments, Numbers, Object, float, three};
 use crate::settle::Stand;
 use crate::suspension::Suspension;
-use crate::workers::any_workers;
+use crate::workers::workers;
 
 fast_methods! {
     TractionCall<6>: Suspension, c"traction", [c"speed", c"curvature", c"angular_velocity", c"joints", c"joint_rates", c"yaw_rate"], 5, traction;
@@ -61,7 +61,7 @@ fn traction<'py>(
         lifted: &mut one.lifted[..wheels],
         vertical: std::slice::from_mut(&mut one.vertical),
     };
-    let workers = any_workers(None, None).ok()?;
+    let workers = workers(None, None).ok()?;
     traction_rows(chain, &suspension.motion, &driving, drives, workers).ok()?;
     let traction = Bound::new(py, Traction(Columns::Single(one))).ok()?;
     Some(traction.into_any())
@@ -100,7 +100,7 @@ fn inverse<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, command]: Arguments
         joint_rates: &mut one.joint_rates[..one.joints],
         scales: std::slice::from_mut(&mut one.scale),
     };
-    let workers = any_workers(None, None).ok()?;
+    let workers = workers(None, None).ok()?;
     inverse_rows(chain, &suspension.motion, &stand.footings(), &how, &[[speed, yaw_rate]], None, commands, workers)
         .ok()?;
     let command = Bound::new(py, GroundCommand(Columns::Single(one))).ok()?;
@@ -135,7 +135,7 @@ fn forward<'py>(this: Borrowed<'_, 'py, Suspension>, [stand, steering, speeds]: 
         joint_rates: &mut one.joint_rates[..one.joints],
         residuals: one.residual[..wheels].as_flattened_mut(),
     };
-    let workers = any_workers(None, None).ok()?;
+    let workers = workers(None, None).ok()?;
     let prepared = &suspension.motion;
     forward_rows(chain, prepared, &stand.footings(), &readings, motions, workers).ok()?;
     let motion = Bound::new(py, GroundMotion(Columns::Single(one))).ok()?;

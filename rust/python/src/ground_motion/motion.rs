@@ -8,7 +8,7 @@ use super::results::{Columns, GroundCommand, GroundMotion};
 use super::settled_pose_input::Stands;
 use crate::convert::{Broadcast, OrRaise, Out, Rows, choice, compute_rows, joined, number, refuse, together};
 use crate::suspension::Suspension;
-use crate::workers::any_workers;
+use crate::workers::workers;
 
 fn view(name: &str) -> PyResult<View> {
     choice("view", name, |name| format!("{name:?}"), &[("body", View::Body), ("plan", View::Plan)])
@@ -76,7 +76,7 @@ methods! { Suspension:
                 return Err(refuse("max_wheel_speed", "be positive", how.wheel_speed));
             }
         }
-        let workers = any_workers(threads, level)?;
+        let workers = workers(threads, level)?;
         let out = Out::read(out, ["steering", "wheel_speeds", "twist", "joint_rates", "scale"])?;
         let single = leading.is_empty() && !out.is_given();
         let [a, b, c, d] = [steered, wheels, 6, joints].map(|width| joined(&leading, width));
@@ -162,7 +162,7 @@ methods! { Suspension:
         }
         let weights = weights.map(|weights| self.read_weights(weights)).transpose()?;
         let count = speeds.count();
-        let workers = any_workers(threads, level)?;
+        let workers = workers(threads, level)?;
         let shapes = [joined(&leading, 6), joined(&leading, joints), joined(&joined(&leading, wheels), 3)];
         let out = Out::read_or_first(out, ["twist", "joint_rates", "residuals"])?;
         let mut results = out.results(py, shapes, None, false)?;

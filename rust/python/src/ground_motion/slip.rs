@@ -6,7 +6,7 @@ use six_wheel_ground_motion::{SlipInput, SlipTest, Slips, slip_rows};
 use super::settled_pose_input::Stands;
 use crate::convert::{OrRaise, Out, Output, Rows, compute_rows, joined, refuse, together};
 use crate::suspension::Suspension;
-use crate::workers::any_workers;
+use crate::workers::workers;
 
 result_class! {
     /// Slip ratio and slip angle of wheels.
@@ -45,7 +45,7 @@ methods! { Suspension:
     #[doc = raises!("If a number is not finite or a shape does not fit.")]
     fn slip[&self, py: Python<'py>](stand, wheel_speeds, twist, joint_rates, *, out=None, threads: Option<i64> = None)
     -> PyResult<WheelSlip> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let chain = &self.chain;
         let mut stands = Stands::read(chain, stand)?;
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());

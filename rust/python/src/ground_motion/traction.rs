@@ -8,7 +8,7 @@ use six_wheel_terrain::suspension::MAX_WHEELS;
 use super::results::{Columns, array};
 use crate::convert::{Out, Rows, compute_rows, joined, memory, refuse, scalar_or_array, together};
 use crate::suspension::Suspension;
-use crate::workers::any_workers;
+use crate::workers::workers;
 
 /// Wheels over ground that nobody has mapped.
 #[pyclass(frozen, module = "six_wheel")]
@@ -135,7 +135,7 @@ methods! { Suspension:
         let leading = together([&mut turning, &mut angles, &mut rates, &mut speed, &mut turn, &mut present, &mut measured])?;
         let count = turning.count();
         let lift = read_lift(lift_angle, lift_speed)?;
-        let workers = any_workers(threads, level)?;
+        let workers = workers(threads, level)?;
         let shapes = [wheels, steered, wheels].map(|width| joined(&leading, width));
         let mut results = Out::read(out, ["wheel_speeds", "steering", "contact_angles"])?.results(py, shapes, None, true)?;
         let mut lifted = memory::filled(false, count * wheels)?;

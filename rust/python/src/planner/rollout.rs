@@ -66,7 +66,7 @@ methods! { Rover:
         let [poses, wheel_speed, steering_angle, steering_rate, scrub] = results.flat();
         let targets = Costs { wheel_speed, steering_angle, steering_rate, scrub };
         let rows = course.twists.count();
-        let workers = Workers { fresh: out.is_none(), ..workers(rows, threads, level)? };
+        let workers = Workers { fresh: out.is_none(), ..workers(threads, level)? };
         let (controls, steps, starts) = (course.twists.table(), course.durations(), course.starts());
         let (count, target) = (course.count, poses.as_chunks_mut().0);
         let previous = previous.as_ref().map(Rows::flat);

@@ -8,7 +8,7 @@ use six_wheel_numerics::threads::workers::Workers;
 
 use super::Rover;
 use crate::convert::{AnyArray, OrRaise, Output, Rows, compute_rows, joined, memory, name, one_twist, scalar_or_array};
-use crate::workers::any_workers;
+use crate::workers::workers;
 
 methods! { Rover:
     /// True if the rover can make the twist: no side slip, every wheel inside its steering range.
@@ -25,7 +25,7 @@ methods! { Rover:
     fn admissible[&self, py: Python<'py>](twist, *more, threads: Option<i64> = None)
     as "($self, twist, *, threads=None)" -> PyResult<Py<PyAny>> {
         one_twist("Rover.admissible((vx, vy, omega))", 1, more)?;
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let twists = Rows::read("twist", twist, 3)?;
         let rows = twists.triples();
         let mut answers = memory::filled(false, rows.len())?;
@@ -63,7 +63,7 @@ methods! { Rover:
         let keep = keep.or_raise(&[])?;
         let twists = Rows::read("twist", twist, 3)?;
         let mut projected = Output::asked(py, (out, dtype), &twists.shape())?;
-        let workers = Workers { fresh: projected.is_unseen(), ..any_workers(threads, None)? };
+        let workers = Workers { fresh: projected.is_unseen(), ..workers(threads, None)? };
         let (rows, target) = (twists.triples(), projected.triples());
         compute_rows(py, rows.len(), &twists.leading, || batch::project(&self.core, rows, keep, target, workers))?;
         projected.finish_any()
@@ -84,7 +84,7 @@ methods! { Rover:
     fn icr[&self, py: Python<'py>](twist, *more, out=None, dtype=None, threads: Option<i64> = None)
     as "($self, twist, *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
         one_twist("Rover.icr((vx, vy, omega))", 1, more)?;
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let twists = Rows::read("twist", twist, 3)?.finite()?;
         let mut centres = Output::asked(py, (out, dtype), &joined(&twists.leading, 2))?;
         let (rows, target) = (twists.triples(), centres.flat().as_chunks_mut().0);

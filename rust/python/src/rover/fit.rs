@@ -8,7 +8,7 @@ use six_wheel_kinematics::estimate::{Method, worst_wheel};
 use super::Rover;
 use super::kinematics::unseen;
 use crate::convert::{OrRaise, Results, compute_rows, joined, memory, scalar_or_array};
-use crate::workers::any_workers;
+use crate::workers::workers;
 
 result_class! {
     /// Twist fitted to the readings of all wheels, with what speaks for and against it.
@@ -90,7 +90,7 @@ methods! { Rover:
     ///     If a value is not finite, a shape does not fit or the method is unknown.
     fn fit[slf: &Bound<'py, Self>, py: Python<'py>](steering, wheel_speeds, *, method: &str = "least_squares",
         steering_rates=None, allow_underdetermined: bool = false, threads: Option<i64> = None) -> PyResult<TwistFit> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let this = slf.get();
         let method = method.parse::<Method>().or_raise(&[])?;
         let readings = this.read_log(steering, wheel_speeds, steering_rates)?.flat()?;

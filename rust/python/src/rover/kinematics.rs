@@ -12,7 +12,7 @@ use crate::convert::{
     AnyArray, Blocks, Out, Output, Precision, Rows, compute_rows, joined, one_twist, refuse, together,
 };
 use crate::unit_warnings::warn_units;
-use crate::workers::any_workers;
+use crate::workers::workers;
 
 /// Twists of points of the body, read as those of its origin.
 struct ReferencePoint<'a> {
@@ -188,7 +188,7 @@ methods! { Rover:
             previous_speeds: rolling.as_ref().map(Blocks::table),
             steering_rates: rates.as_ref().map(Blocks::table),
         };
-        let workers = Workers { fresh: results.are_unseen(), ..any_workers(threads, level)? };
+        let workers = Workers { fresh: results.are_unseen(), ..workers(threads, level)? };
         let [angles, rotations] = results.flat();
         compute_rows(py, twists.count(), &leading, || {
             batch::inverse(&self.core, rows, beside, angles, rotations, workers)
@@ -227,7 +227,7 @@ methods! { Rover:
         let fresh = twists.is_unseen();
         let (tables, target) = (readings.tables(), twists.triples());
         let unseen = unseen(allow_underdetermined);
-        let workers = Workers { fresh, ..any_workers(threads, level)? };
+        let workers = Workers { fresh, ..workers(threads, level)? };
         compute_rows(py, target.len(), leading, || batch::forward(&self.core, tables, unseen, target, workers))?;
         twists.finish_any()
     }

@@ -7,7 +7,7 @@ use six_wheel_kinematics::estimate::sensitivity::Quantity;
 
 use super::Rover;
 use crate::convert::{Output, compute_rows, items, joined, refuse};
-use crate::workers::any_workers;
+use crate::workers::workers;
 
 /// Names that are read at most.
 const MOST_NAMES: usize = 1000;
@@ -138,7 +138,7 @@ methods! { Rover:
     ///     If a value is not finite, a shape does not fit or a quantity is unknown.
     fn sensitivity[&self, py: Python<'py>](steering, wheel_speeds, *, steering_rates=None, quantities=None,
         threads: Option<i64> = None) -> PyResult<Sensitivity> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let wanted = wanted(quantities)?;
         let readings = self.read_log(steering, wheel_speeds, steering_rates)?.flat()?;
         let leading = readings.speeds.leading.as_slice();

@@ -11,7 +11,7 @@ use crate::convert::{Rows, compute, memory, raise, read_point, together};
 use crate::fastcall::{Answer, Arguments, three};
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
-use crate::workers::any_workers;
+use crate::workers::workers;
 
 pub use stability::{Feasibility, MarginJacobian, Stability};
 pub use stand::Stand;
@@ -72,7 +72,7 @@ methods! { Suspension:
         if let Some(centre) = centre_of_mass {
             settler.balance = read_point("centre_of_mass", centre)?.into();
         }
-        let workers = any_workers(threads, level)?;
+        let workers = workers(threads, level)?;
         settler.level = workers.level;
         let rows = poses.triples();
         let nothing = ground::Stand::nothing(Status::NotConverged);

@@ -15,7 +15,7 @@ use crate::convert::{
 };
 use crate::suspension::{Plate, RockerBogie, Suspension, check_map_error, read_belly};
 use crate::terrain::Terrain;
-use crate::workers::{any_workers, fill_rows};
+use crate::workers::{fill_rows, workers};
 
 result_class! {
     /// Loads and margins of a settled rover: see `Suspension.stability`.
@@ -173,7 +173,7 @@ methods! { RockerBogie:
         this.bounds_constants(belly, None).or_raise(&[])?; // as `bounds` fails with this belly
         let allowed = allowed(py, limits)?;
         let poses = Rows::read("poses", poses, 3)?.finite()?;
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let (rows, ground, leading) = (poses.triples(), &*ground.get().0, &poses.leading);
         let settler = Settler::new(ground, this.0.chain());
         let dimensions = this.0.dimensions();
@@ -273,7 +273,7 @@ methods! { Suspension:
     fn stability[slf: &Bound<'py, Self>, py: Python<'py>](stand: Bound<'py, Stand>, *, mass: f64, centre_of_mass=None,
         gravity: f64 = 9.80665, belly: Option<(f64, f64, f64, f64)> = None, out=None, threads: Option<i64> = None)
     -> PyResult<Stability> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         check_positive("mass", mass)?;
         check_positive("gravity", gravity)?;
         let (chain, stand) = (&slf.get().chain, stand.get());

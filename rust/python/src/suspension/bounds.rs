@@ -10,7 +10,7 @@ use six_wheel_terrain::bounds::{self as core, Belly, BoundStatus, BoundsConstant
 use super::rocker_bogie::RockerBogie;
 use crate::convert::{OrRaise, Out, Rows, compute_rows, joined, memory, refuse, scalar_or_array, together};
 use crate::terrain::Terrain;
-use crate::workers::any_workers;
+use crate::workers::workers;
 
 result_class! {
     /// Intervals in which a rover stands, without settling it: see `RockerBogie.bounds`.
@@ -181,7 +181,7 @@ methods! { RockerBogie:
         together([&mut poses, &mut yaw, &mut position])?;
         let leading = poses.leading.as_slice();
         let (yaw, position) = (yaw.flat(), position.flat());
-        let workers = any_workers(threads, level)?;
+        let workers = workers(threads, level)?;
         let (rows, ground) = (poses.triples(), &*ground.get().0);
         let count = rows.len();
         let mut shapes = [(); 8].map(|()| joined(leading, 2));

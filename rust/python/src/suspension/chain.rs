@@ -8,7 +8,7 @@ use six_wheel_terrain::suspension::{self as core, FRAMES, RockerBogie as Core, W
 
 use super::rocker_bogie::RockerBogie;
 use crate::convert::{Output, Rows, compute_rows, memory, together};
-use crate::workers::any_workers;
+use crate::workers::workers;
 
 /// The angle of the left rocker and those of the bogies.
 pub fn rocker_and_bogies([rho, left, right]: [f64; 3]) -> (f64, [f64; 2]) {
@@ -79,7 +79,7 @@ methods! { RockerBogie:
     /// ICRA 1999.
     fn frames[&self, py: Python<'py>](joints, steering=None, *, threads: Option<i64> = None)
     -> PyResult<Bound<'py, PyDict>> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let names = self.0.links().map(|link| link.frame);
         self.by_name(py, (joints, steering), &names, [4, 4], core::frames, workers)
     }
@@ -98,7 +98,7 @@ methods! { RockerBogie:
     #[doc = raises!("If an angle is not finite or a shape does not fit.")]
     fn jacobians[&self, py: Python<'py>](joints, steering=None, *, threads: Option<i64> = None)
     -> PyResult<Bound<'py, PyDict>> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let names = self.0.links().map(|link| link.frame);
         let wheels = &names[FRAMES - WHEELS.len()..];
         let last = [3, self.0.joint_count()];

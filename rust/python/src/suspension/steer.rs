@@ -7,7 +7,7 @@ use six_wheel_terrain::suspension::WHEELS;
 use super::chain::rocker_and_bogies;
 use super::rocker_bogie::RockerBogie;
 use crate::convert::{Output, Results, Rows, joined, together};
-use crate::workers::{any_workers, fill_rows};
+use crate::workers::{fill_rows, workers};
 
 result_class! {
     /// Steering angles and wheel speeds for a forward speed and a yaw rate.
@@ -40,7 +40,7 @@ methods! { RockerBogie:
     #[doc = raises!("If an angle is not finite or a shape does not fit.")]
     fn icr_offset[&self, py: Python<'py>](joints, *, out=None, dtype=None, threads: Option<i64> = None)
     -> PyResult<Bound<'py, PyAny>> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let joints = Rows::read("joints", joints, 3)?;
         let rows = joints.triples();
         let mut offsets = Output::asked(py, (out, dtype), &joints.leading)?;
@@ -90,7 +90,7 @@ methods! { RockerBogie:
     /// ICRA 1999.
     fn steer[&self, py: Python<'py>](speed, yaw_rate, joints, *, previous=None, previous_wheel_speeds=None,
         threads: Option<i64> = None) -> PyResult<SteeringCommand> {
-        let workers = any_workers(threads, None)?;
+        let workers = workers(threads, None)?;
         let steered = self.steered().len();
         let mut joints = Rows::read("joints", joints, 3)?;
         let mut speeds = Rows::read_numbers("speed", speed)?.finite()?;
