@@ -2,9 +2,12 @@
 
 import re
 from pathlib import Path
+from typing import get_args
 
 import pytest
+from typer.models import OptionInfo
 
+from six_wheel.cli.shared import NodeOption
 from six_wheel.robot_description.parameters import ParameterFileError, dump, read_parameters
 from tests.robot_description.parameters.field_files import refusal
 
@@ -157,8 +160,17 @@ def test_an_unknown_type_is_named(read) -> None:
 def test_several_vehicles_are_never_chosen_from(read) -> None:
     two = DIFF + DIFF.replace("diff_drive_controller", "other")
     line = refusal(read, two)
-    assert "several nodes describe a rover: diff_drive_controller, other (choose one with --node" in line
+    answer = "several nodes describe a rover: diff_drive_controller, other (choose one with --parameters-node"
+    assert answer in line
     assert read(two, node="other").node == "other"
+
+
+def test_the_remedy_for_several_vehicles_is_an_option_that_the_commands_have(read) -> None:
+    """It was ``--node``, the old name: who typed what the line said was told that there is no such option."""
+    line = refusal(read, DIFF + DIFF.replace("diff_drive_controller", "other"))
+    option = next(each for each in get_args(NodeOption) if isinstance(each, OptionInfo))
+    declared = (option.default, *(option.param_decls or ()))  # typer has the first where a default would be
+    assert re.findall(r"--[a-z-]+", line) == [each for each in declared if isinstance(each, str)]
 
 
 def test_a_command_that_never_becomes_too_old(read) -> None:

@@ -302,7 +302,7 @@ def _choose(
         shown = (one_line(names[path]) + (f" ({types[path]})" if path in types else "") for path in chosen)
         line = tree.places[chosen[1]].line
         message = f"several nodes describe a rover: {', '.join(shown)}"
-        report(line, (), message, "choose one with --node, in Python with node=")
+        report(line, (), message, "choose one with --parameters-node, in Python with node=")
         return None
     _report_none(tree, blocks, names, node, report)
     return None
