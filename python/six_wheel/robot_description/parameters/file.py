@@ -73,7 +73,7 @@ class Parameters:
         Those the file gives; there are no others.
     control : dict of str to object
         Of the keywords of `Controller` those the file gives.
-    noise, encoders, steering_encoders, odometry : dict
+    noise, wheel_encoders, steering_encoders, odometry : dict
         Keys about dead reckoning: arguments of `Noise`; those of `Encoder` and more, for
         the readings of wheels and steering joints; options of `Odometry`.
     columns, topics, stamp_unit, plausibility
