@@ -2,6 +2,7 @@
 
 import doctest
 import json
+import pkgutil
 import re
 from pathlib import Path
 
@@ -119,6 +120,19 @@ def test_what_a_page_links_to_is_there(page):
         target = (page.parent / path).resolve() if path else page
         assert target.exists(), link
         assert not anchor or anchor in anchors(target), link
+
+
+@pytest.mark.parametrize("page", PAGES, ids=NAMES)
+def test_what_a_page_names_is_there(page):
+    """A page on logs named ``sw.table_columns``, which is in `six_wheel.log_odometry`."""
+    text = page.read_text(encoding="utf-8")
+    for name in set(re.findall(r"`(?:sw|six_wheel)\.(\w+(?:\.\w+)*)", text)) - {"NAME"}:
+        try:
+            pkgutil.resolve_name(f"six_wheel.{name}")
+        except ModuleNotFoundError:  # what it needs is not installed
+            continue
+        except AttributeError as error:
+            raise AssertionError(f"six_wheel.{name}: {error}") from None
 
 
 def test_every_vehicle_has_a_section_with_a_small_picture():
