@@ -4,7 +4,8 @@ Changed is what git says has changed since the last commit, or in it. ``CRATE=od
 choose instead. Nothing is installed: the package is put together in ``target/quick/python``.
 
 Of the Python tests it runs `SMOKE` and those of what has changed, without tests marked ``slow`` and with a
-tenth of the cases of random laws. The rest is left to ``make test``, as the last line says.
+tenth of the cases of random laws; those in Rust take a tenth as well. The rest is left to ``make test``,
+as the last line says.
 """
 
 import os
@@ -119,21 +120,16 @@ def main() -> None:
     start = time.monotonic()
     crates, tests = touched(changed())
     cargo = ("--profile", "quick", "--locked", "--quiet")
-    # Of a crate whose tests are all programs, these; of another those of its modules, which take less time.
-    kinds = {
-        crate: "--tests" if "test = false" in (ROOT / "rust" / crate / "Cargo.toml").read_text() else "--lib"
-        for crate in crates
-        if crate != "python"
-    }
+    tested = [crate for crate in crates if crate != "python"]
     only: tuple[str, ...] = ()
     if below := EVERYWHERE.intersection(crates):
         print(f"quick: {', '.join(sorted(below))}: every kernel is compiled anew, for the scalar level alone")
         only = ("--features=six-wheel-numerics/scalar-only",)
     run("check", "cargo", "check", "--workspace", "--all-targets", *cargo)
-    for kind in sorted(set(kinds.values())):
-        alike = [crate for crate in kinds if kinds[crate] == kind]
-        packages = [f"--package=six-wheel-{crate.replace('_', '-')}" for crate in alike]
-        run(f"tests of {', '.join(alike)}", "cargo", "test", kind, *packages, *only, *cargo)
+    if tested:
+        packages = [f"--package=six-wheel-{crate.replace('_', '-')}" for crate in tested]
+        fewer = {"PROPTEST_CASES": "26", "SOAK": "0.1"}  # a tenth, as of Python's random laws
+        run(f"tests of {', '.join(tested)}", "cargo", "test", "--tests", *packages, *only, *cargo, **fewer)
     run("build", "cargo", "build", "--package=six-wheel-py", "--no-default-features", *only, *cargo)
     put_together()
     pytest = (sys.executable, "-m", "pytest", "-q", "-n", "2", "-m", "not slow", "-p", "no:cacheprovider")

@@ -1,6 +1,6 @@
 """The controller: limits, one centre of rotation, reasons, faults, and the slow way to the same results.
 
-The laws over a million random steps are in `rust/control/tests/controller.rs`.
+The laws over a million random steps are in `rust/control/tests/controller`.
 """
 
 import math

@@ -74,8 +74,8 @@ fn stream(seed: u64, steps: usize) -> Result<(), Error> {
 #[test]
 fn no_limit_is_exceeded() -> Result<(), Error> {
     let soak = std::env::var("SOAK").ok().and_then(|text| text.parse().ok());
-    let factor: usize = soak.unwrap_or(1);
-    for seed in 0..(STREAMS * factor) as u64 {
+    let factor: f64 = soak.unwrap_or(1.0);
+    for seed in 0..(STREAMS as f64 * factor) as u64 {
         stream(seed, STEPS)?;
     }
     Ok(())
