@@ -32,7 +32,7 @@ pub enum Keep {
     Speed,
     /// Yaw rate.
     YawRate,
-    /// As much as possible: least root mean square change of the pivots' velocities.
+    /// The twist, with the least root mean square change of the pivots' velocities.
     Nearest,
 }
 

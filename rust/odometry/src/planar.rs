@@ -32,9 +32,9 @@ pub struct ReferenceSample {
     pub(crate) known: bool,
     /// [s]
     pub(crate) stamp: f64,
-    /// As the encoders count.
+    /// Readings of the wheels, in units of their encoders.
     pub(crate) wheels: Vec<f64>,
-    /// As the encoders count.
+    /// Readings of the steering joints, in units of their encoders.
     pub(crate) steering: Vec<f64>,
     /// Steering angles, with whole turns [rad].
     pub(crate) angles: Vec<f64>,

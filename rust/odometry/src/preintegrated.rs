@@ -46,7 +46,7 @@ pub enum ErrorFrame {
 /// Options of pre-integration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreintegrationOptions {
-    /// As for odometry.
+    /// Settings of the odometry.
     pub settings: Settings,
     /// The gyroscope whose rates come with the samples.
     pub gyroscope: Option<Gyroscope>,

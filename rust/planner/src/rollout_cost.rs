@@ -1,4 +1,4 @@
-//! Demands of rollouts on the wheels: poses and the worst demands on the way, in one pass over the controls.
+//! Demands of rollouts on the wheels: poses and the largest demands, in one pass over the controls.
 
 use std::f64::consts::PI;
 
@@ -66,7 +66,8 @@ impl Costs<'_> {
     }
 }
 
-/// Poses of rollouts of `count` steps each, as [`six_wheel_kinematics::batch::integrate`], and the worst that each asks of the wheels.
+/// Poses of rollouts of `count` steps each, as [`six_wheel_kinematics::batch::integrate`], and the largest demand of
+/// each on the wheels.
 ///
 /// The controls need not be possible: the angle of a steered wheel is clipped to its range, and the scrub is the speed
 /// at which it then slides. Every step's angles are chosen nearest to those of the step before, the first nearest to

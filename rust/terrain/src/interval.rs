@@ -13,7 +13,7 @@ pub(super) type Interval<S> = [Lanes<S>; 2];
 /// Sine and cosine at both ends of an angle's interval.
 pub(super) type Turned<S> = [(Lanes<S>, Lanes<S>); 2];
 
-/// The same for both ends of an interval.
+/// Evaluates an expression for both ends of an interval.
 macro_rules! both {
     ($end:ident in $interval:expr => $value:expr) => {{
         let [first, second] = $interval;

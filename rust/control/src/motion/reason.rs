@@ -1,4 +1,4 @@
-//! Reasons why a step is not the motion asked for: one bit each.
+//! Reasons why a step is not the desired motion: one bit each.
 
 /// Declares the bits and the table of their names.
 macro_rules! reasons {
@@ -10,7 +10,7 @@ macro_rules! reasons {
 }
 
 reasons! {
-    /// The turn asked for is too tight for the steering angles.
+    /// The desired turn is too tight for the steering angles.
     STEERING_LIMIT = 0;
     /// A joint turns as fast as it may.
     STEERING_RATE = 1;
@@ -38,9 +38,9 @@ reasons! {
     ANGULAR_DECELERATION = 12;
     /// The angular acceleration changes as fast as it may.
     ANGULAR_JERK = 13;
-    /// No continuous turn of the wheels leads to the motion asked for: stop, re-align, go on.
+    /// No continuous turn of the wheels leads to the desired motion: the rover stops and aligns its wheels at rest.
     SPIN_ISLAND = 14;
-    /// The rover cannot make the twist asked for; this is the nearest it can.
+    /// The desired twist is not possible; the motion is the nearest possible one.
     PROJECTED = 15;
     /// The last command is too old: the rover stops.
     STALE = 16;
@@ -52,7 +52,7 @@ reasons! {
     OUT_OF_ORDER = 19;
     /// The step took longer than a step may, and counts as one of that length.
     PAUSED = 20;
-    /// A halt was asked for, or a joint does not follow: the rover stays at rest until it is released.
+    /// A halt was commanded, or a joint does not follow: the rover stays at rest until it is released.
     HALTED = 21;
     /// A steering joint does not follow its commands.
     JOINT_STUCK = 22;

@@ -23,7 +23,7 @@ pub(crate) struct LaneConstants {
 }
 
 impl Prepared {
-    /// Of this chain.
+    /// Constants of this chain.
     pub fn new(chain: &Chain) -> Self {
         let lanes = chain
             .is_planar()

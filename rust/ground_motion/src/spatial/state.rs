@@ -23,11 +23,11 @@ use six_wheel_terrain::terrain::Terrain;
 /// A pose in space: `Rz(yaw) Ry(pitch) Rx(roll)` at x, y, z.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose3 {
-    /// Of the body's origin [m].
+    /// Position of the body's origin [m].
     pub x: f64,
-    /// Of the body's origin [m].
+    /// Position of the body's origin [m].
     pub y: f64,
-    /// Of the body's origin [m].
+    /// Position of the body's origin [m].
     pub z: f64,
     /// Positive with the right side down [rad].
     pub roll: f64,

@@ -56,7 +56,7 @@ pub(crate) struct LimitedWheel {
     /// Index among all wheels.
     pub wheel: usize,
     constants: SteeredConstants,
-    /// Of a wheel without trail.
+    /// Wedge of a wheel without trail; None with trail.
     wedge: Option<SteeringWedge>,
 }
 

@@ -62,7 +62,7 @@ pub(crate) struct WheelRows {
     pub kind: RowKind,
     /// Direction at steering angle 0 of a steered wheel [rad].
     pub heading: f64,
-    /// Of a steered wheel.
+    /// Offset of a steered wheel's contact from its pivot.
     pub offset: Option<Offset>,
 }
 
@@ -84,7 +84,7 @@ pub(crate) struct Offset {
 }
 
 impl WheelRows {
-    /// Those of wheel `i`.
+    /// Rows of wheel `i`.
     pub fn new(rover: &RoverData, i: usize, counts: bool) -> Self {
         let wheel = &rover.wheels()[i];
         let (rows, kind) = match rover.mounts[i] {

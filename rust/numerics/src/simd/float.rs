@@ -10,7 +10,7 @@ macro_rules! float {
     ($($(#[$doc:meta])* $name:ident($($in:ident: $kind:ident),*) -> $out:ident = $double:ident, $single:ident;)*) => {
         /// A precision: `f64` or `f32`. Operations differ between levels in the number of lanes alone.
         pub trait Float: Copy + Default + PartialOrd + From<f32> + Into<f64> + Send + Sync + 'static {
-            /// As many of them as a level computes with at once.
+            /// A register of a level.
             type Register<S: Simd>: Copy;
             /// One truth value for each.
             type Mask<S: Simd>: Copy;
@@ -30,7 +30,7 @@ macro_rules! float {
 
             /// The nearest number of this precision.
             fn from_f64(value: f64) -> Self;
-            /// The same as a double.
+            /// The number as a double, exactly.
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 self.into()

@@ -119,7 +119,7 @@ impl<S: Simd, T: Float, const N: usize> Lanes<S, T, N> {
         Lanes { simd: self.simd, values: [self.values[k]] }
     }
 
-    /// The same with this as register `k`.
+    /// Replaces register `k`.
     pub fn set_register(&mut self, k: usize, lanes: Lanes<S, T>) {
         self.values[k] = lanes.values[0];
     }
@@ -209,7 +209,7 @@ impl<S: Vector, T: Float> Lanes<S, T> {
     ///
     /// # Safety
     ///
-    /// As [`Vector::corners`].
+    /// The conditions of [`Vector::corners`].
     #[inline(always)]
     pub unsafe fn corners(simd: S, values: &[f32], columns: usize, [x, y]: [Self; 2]) -> [[Self; 2]; 2] {
         // SAFETY: the caller's.
@@ -280,7 +280,7 @@ operator!(Div, div, Lanes, div);
 operator!(BitAnd, bitand, Mask, both);
 operator!(BitOr, bitor, Mask, either);
 
-/// The same with a constant, the same in every lane.
+/// An operator with a constant, the same in every lane.
 macro_rules! with_constant {
     ($trait:ident, $method:ident) => {
         impl<S: Simd, T: Float, const N: usize> $trait<f64> for Lanes<S, T, N> {

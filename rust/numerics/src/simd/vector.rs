@@ -80,7 +80,7 @@ pub trait Vector: Simd {
         self.div_f64s(self.splat_f64s(1.0), self.sqrt_f64s(numbers))
     }
 
-    /// The same in single precision: the same bits at every level.
+    /// The inverse square root in single precision: the same bits at every level.
     #[inline(always)]
     fn single_inverse_root(self, numbers: Self::f64s) -> Self::f64s {
         let mut roots = [0.0; 8];
@@ -105,7 +105,7 @@ pub trait Vector: Simd {
         [inverse, self.mul_f64s(numbers, inverse)]
     }
 
-    /// The same of singles.
+    /// [`Self::steady_roots`] of singles.
     #[inline(always)]
     fn steady_roots_single(self, numbers: Self::f32s) -> [Self::f32s; 2] {
         let root = self.sqrt_f32s(numbers);
@@ -156,11 +156,11 @@ pub trait Vector: Simd {
         [[a, b], [c, d]]
     }
 
-    /// The same in single precision.
+    /// [`Self::corners`] in single precision.
     ///
     /// # Safety
     ///
-    /// As [`Self::corners`].
+    /// The conditions of [`Self::corners`].
     #[inline(always)]
     unsafe fn corners_single(self, values: &[f32], columns: usize, place: [Self::f32s; 2]) -> [[Self::f32s; 2]; 2] {
         let mut places = [[0.0; 16]; 2];

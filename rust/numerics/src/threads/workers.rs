@@ -51,7 +51,7 @@ impl Workers {
     /// One thread, row by row.
     pub const PLAIN: Self = Self { level: Level::Scalar, threads: 1, fresh: false, is_interrupted: never };
 
-    /// The same at the scalar level if the machine does not have the instructions of this one.
+    /// These workers; at the scalar level if the machine does not have the instructions of their level.
     #[inline]
     pub fn here(self) -> Self {
         if self.level.is_here() {

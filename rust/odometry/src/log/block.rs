@@ -15,9 +15,9 @@ use six_wheel_numerics::simd::vector::Vector;
 /// Rows of a log, with the one before them.
 #[derive(Clone, Copy)]
 pub(crate) struct Rows<'a> {
-    /// As the encoders count.
+    /// Readings of the wheels, in units of their encoders.
     pub wheels: &'a [f64],
-    /// As the encoders count.
+    /// Readings of the steering joints, in units of their encoders.
     pub steering: &'a [f64],
     /// [s]
     pub stamps: &'a [f64],
@@ -50,7 +50,7 @@ pub struct LogBlock {
     /// Covariance by errors of the step alone: of the displacement in body axes; then of its end in world axes; then
     /// the settled part of the covariance of the pose.
     pub(crate) own: [Column; 6],
-    /// The same by the joints' readings at one end; then the open part of the covariance of the pose.
+    /// Covariance by errors of the joints' readings at one end; then the open part of the covariance of the pose.
     pub(crate) open: [Column; 6],
     /// At the start of the step [rad].
     pub(crate) heading: Column,

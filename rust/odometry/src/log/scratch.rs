@@ -26,7 +26,7 @@ pub struct BlockScratch {
     /// Per joint: error of the displacement by half the deviation of its angle; then that of the pose at the end of
     /// every step.
     pub(crate) ends: Vec<[LaggedColumn; 3]>,
-    /// The same of a gyroscope's reading.
+    /// Errors by half the deviation of a gyroscope's reading, likewise.
     pub(crate) by_gyroscope: [LaggedColumn; 3],
 }
 

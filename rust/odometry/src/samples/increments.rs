@@ -22,12 +22,12 @@ pub struct StepTiming {
     pub speed: f64,
 }
 
-/// Readings of wheels and steering joints, as their encoders count.
+/// Readings of wheels and steering joints, in units of their encoders.
 #[derive(Clone, Copy, Debug)]
 pub struct Counts<'a> {
-    /// Of the wheels.
+    /// Readings of the wheels.
     pub wheels: &'a [f64],
-    /// Of the steering joints.
+    /// Readings of the steering joints.
     pub steering: &'a [f64],
 }
 

@@ -18,11 +18,11 @@ pub struct SkippedRows {
     pub flag: Health,
     /// Stamp of the last row left out [s].
     pub stamp: f64,
-    /// As the encoders count.
+    /// Readings of the wheels, in units of their encoders.
     pub wheels: Vec<f64>,
-    /// As the encoders count.
+    /// Readings of the steering joints, in units of their encoders.
     pub steering: Vec<f64>,
-    /// As the encoders count, one per wheel.
+    /// Pending increment of every wheel, in units of its encoder.
     pending: Vec<f64>,
     marked: bool,
 }

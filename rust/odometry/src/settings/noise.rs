@@ -13,8 +13,8 @@ pub struct Noise {
     /// Deviation of the slip of a wheel along its heading while its pivot travels one metre [m per root m]. It grows
     /// with the root of the distance, independently of the sampling rate.
     pub slip: f64,
-    /// The same across its heading [m per root m]; with rollers, slip along their axes moves the wheel along its
-    /// heading too.
+    /// Deviation of the slip across its heading [m per root m]; with rollers, slip along their axes moves the wheel
+    /// along its heading too.
     pub side_slip: f64,
     /// Deviation of an absolute yaw reading [rad]; 0: exact.
     pub yaw: f64,

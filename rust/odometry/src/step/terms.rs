@@ -17,7 +17,7 @@ pub(crate) const ROUNDED_DOWN: f64 = 1.0 - 1e-9;
 pub(crate) struct NoiseTerms<S: Simd> {
     /// Variance of the distance that a wheel rolled by readings of this step alone, without slip [m²].
     pub own_variance: Lanes<S>,
-    /// The same by readings that the neighbouring steps share [m²].
+    /// Variance of that distance by readings that the neighbouring steps share [m²].
     pub shared_variance: Lanes<S>,
     /// Half the deviation of a steering angle [rad], and the variance of the angle [rad²].
     pub half_deviation: Lanes<S>,

@@ -12,12 +12,12 @@ use six_wheel_numerics::error::{Error, bounded, numbers};
 pub(super) enum Lowest {
     /// A point inside the rectangle, above a node of the map.
     Node {
-        /// Of the rectangle [m].
+        /// Position on the rectangle [m].
         point: Vector3<f64>,
     },
     /// A point of an edge.
     Edge {
-        /// Of the rectangle [m].
+        /// Position on the rectangle [m].
         point: Vector3<f64>,
         /// Along the edge [m].
         way: Vector3<f64>,

@@ -71,17 +71,17 @@ pub enum Reason {
     Ok = 0,
     /// Roll exceeds its limit and has the smallest margin; see [`Verdict::margin`].
     Roll = 1,
-    /// As for roll.
+    /// The same for pitch.
     Pitch = 2,
-    /// As for roll.
+    /// The same for the tilt.
     Tilt = 3,
-    /// As for roll.
+    /// The same for the clearance of the belly.
     Clearance = 4,
-    /// As for roll.
+    /// The same for the angle of a rocker.
     Rocker = 5,
-    /// As for roll.
+    /// The same for the angle of a bogie.
     Bogie = 6,
-    /// As for roll.
+    /// The same for the drop of a wheel.
     WheelDrop = 7,
     /// A rim or the belly may leave the map.
     OffMap = 8,
@@ -99,9 +99,9 @@ pub struct Verdict {
     /// Smallest margin over all limits: as a share of the limit for angles and the drop, in wheel radii for clearances.
     /// By bounds it is a lower bound for an admissible pose, an upper bound for another one; NaN where it is unknown.
     pub margin: f64,
-    /// Tilt [rad] and clearance [m]; by bounds, the largest tilt and the least clearance.
+    /// Tilt [rad]; by bounds, the largest one.
     pub tilt: f64,
-    /// As for the tilt.
+    /// Clearance [m]; by bounds, the least one.
     pub clearance: f64,
     /// True if the rover was settled.
     pub exact: bool,

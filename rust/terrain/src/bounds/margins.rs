@@ -20,11 +20,11 @@ const ON_A_LINE: f64 = 1e-8;
 pub struct MarginSlopes<const N: usize> {
     /// Derivatives of the angle between the body's z axis and the vertical.
     pub tilt: [f64; N],
-    /// Of the angle of every free joint to its nearer stop; 0 where it has none.
+    /// Derivatives of the angle of every free joint to its nearer stop; 0 where it has none.
     pub joints: [[f64; N]; MAX_FREE],
-    /// Of [`super::tip_over_angle`].
+    /// Derivatives of [`super::tip_over_angle`].
     pub tip_over_angle: [f64; N],
-    /// Of the clearance of the belly.
+    /// Derivatives of the clearance of the belly.
     pub clearance: [f64; N],
 }
 

@@ -79,7 +79,7 @@ pub(crate) struct Evaluation {
     pub worst: f64,
     /// Newton's step, no longer than [`LARGEST_TURN`]; None where the gaps do not determine it.
     pub step: Option<State>,
-    /// Of every wheel: least gap [m], its slopes by the state, and height of the point of the rim [m].
+    /// Least gap of every wheel [m], its derivatives by the state, and height of the point of the rim [m].
     pub gaps: [f64; MAX_WHEELS],
     pub slopes: [State; MAX_WHEELS],
     pub heights: [f64; MAX_WHEELS],

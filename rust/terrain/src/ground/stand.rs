@@ -22,7 +22,7 @@ pub struct Stand {
     pub hanging: u8,
     /// z [m], roll, pitch and the free angles [rad]; NaN without a settled pose.
     pub state: State,
-    /// Of every wheel.
+    /// Contact of every wheel.
     pub wheels: [Contact; MAX_WHEELS],
 }
 

@@ -119,9 +119,9 @@ impl WheelMount {
 /// Pose of the body in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanPose {
-    /// Of the body's origin [m].
+    /// Position of the body's origin [m].
     pub x: f64,
-    /// Of the body's origin [m].
+    /// Position of the body's origin [m].
     pub y: f64,
     /// Heading [rad].
     pub yaw: f64,

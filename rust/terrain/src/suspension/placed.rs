@@ -50,7 +50,7 @@ pub struct Placed<'a> {
     chain: &'a Chain,
     pose: PlanPose,
     state: State,
-    /// Of the body [m].
+    /// Origin of the body in the world [m].
     pub origin: Vector3<f64>,
     /// `world_from_body`.
     pub rotation: Matrix3<f64>,

@@ -16,7 +16,7 @@ pub(crate) const MOST: usize = 8;
 #[derive(Clone, Debug)]
 pub(crate) struct RobustConstants {
     pub(crate) wheels: Vec<RobustWheel>,
-    /// Of every wheel the sums of the products of its rows for the twist itself.
+    /// Sums of the products of the rows of every wheel, for the twist itself.
     pub(crate) raw: Vec<[f64; 6]>,
 }
 

@@ -80,7 +80,7 @@ impl<S: Vector> Lanes<S> {
         Self::columns_of(simd, &eights)
     }
 
-    /// The same of rows wherever they are, as many as there are lanes.
+    /// Columns of rows anywhere in memory, as many rows as there are lanes.
     pub fn columns_of(simd: S, rows: &[&[f64; 8]; 8]) -> [Self; 8] {
         let mut registers = [simd.splat_f64s(0.0); 8];
         for (k, register) in registers.iter_mut().enumerate() {
