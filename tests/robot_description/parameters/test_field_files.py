@@ -149,6 +149,9 @@ def test_an_unknown_type_is_named(read) -> None:
     unknown = manager.format(name="base") + "base:\n  ros__parameters:\n    wheels_apart: 0.4\n"
     line = refusal(read, unknown)
     assert "base has the type my_controllers/CrabDriveController, which is not known (known are ack" in line
+    # Under a name without "drive" it was taken for a six-wheeler without lengths.
+    other = unknown.replace("CrabDriveController", "Crab").replace("wheels_apart: 0.4", "wheel_radius: 0.1")
+    assert "base has the type my_controllers/Crab, which is not known (known are" in refusal(read, other)
     mine = manager.format(name="diff_drive_controller") + DIFF
     found = read(mine)
     assert "which is not known: read as diff_drive_controller, whose keys it has" in str(found.warnings[0])

@@ -102,11 +102,14 @@ def form_of(section: Section, error: Report, warning: Report, asked: str | None 
         error(section.line, ("kind",), message, f"add {names}")
         return None
     telling = {*OWN_TELLING, *DIMENSIONS}
-    plain = (key for key, value in data.items() if not isinstance(value, dict))
+    plain = [key for key, value in data.items() if not isinstance(value, dict)]
     nearly_own = data.keys() & telling or any(closest(key, telling) for key in plain)
     if by_keys is None and data and not nearly_own:
         _report_unknown(section, error)
         return None
+    is_unknown = by_keys is None and section.type is not None
+    if is_unknown and not any(closest(key, DIMENSIONS[:4]) for key in plain):
+        return _of_unknown_type(section, None, error, warning)
     return by_keys or KINDS["six_wheel"]
 
 
