@@ -113,7 +113,7 @@ def calibrate_files(
                 progress(number, len(paths), f"reading {path.name}")
             truth = truths[number if len(truths) > 1 else 0] if truths else None
             log, reader = read_log(path, rover, reading, truth=truth)
-            _check_truth(path, log, truth)
+            _check_truth(path, log)
             by_gyroscope &= log.truth is None
             logs.append(heard(log, number))
             warnings += _said(reader)
@@ -169,7 +169,7 @@ def _read_back(text: str, parameters: Parameters | None) -> list[str]:
     return [f"the keys of {was} cannot say what was found: it is written as kind: {written.kind}"]
 
 
-def _check_truth(path: Path, log: WheelLog, truth: Path | None) -> None:
+def _check_truth(path: Path, log: WheelLog) -> None:
     if log.truth is None and log.yaw_rate is not None:
         return  # the gyroscope is the truth of the heading
     if log.truth is None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from six_wheel.kinematics.controller import Reason
 from six_wheel.kinematics.poses import Floats
-from six_wheel.view.motion import Motion, State, on_ground
+from six_wheel.view.motion import State, on_ground
 from six_wheel.view.records.plots import thin_columns
 from six_wheel.view.records.record import Record, thin_path
 from six_wheel.view.subject import Subject
@@ -90,7 +90,7 @@ class Player:
             wheel_speeds=known(record.wheel_speeds, len(rover.wheels)),
         )  # fmt: skip
 
-    def show(self, motion: Motion, full: bool) -> None:
+    def show(self, full: bool) -> None:
         """Draw what belongs to this time: the ellipse of the pose, the reasons."""
         record, row = self._record, self._record.row(self.time)
         if record.covariances is not None:
@@ -99,7 +99,7 @@ class Player:
             if record.reasons is not None:
                 found = Reason(int(record.reasons[row]))
                 names = found.name or "as commanded"
-                self._why.content = _spans(self._begins, self._found, record.duration, self.time, names)
+                self._why.content = _spans(self._found, record.duration, self.time, names)
             # A plot is sent whole: while time goes on, the bar above has its own mark.
             for cursor, (times, columns) in () if self.playing else self._cursors:
                 cursor.data = _with_cursor(times, columns, self.time)
@@ -146,9 +146,7 @@ class Player:
             ("sliding [m/s]", record.slips, rover.wheel_names),
             ("vx [m/s], yaw rate [rad/s]", motion, ("vx", "omega")),
         ]
-        _, _, self._begins, self._found = thin_columns(
-            record.times, np.zeros((len(record.times), 1)), record.reasons
-        )
+        *_, self._found = thin_columns(record.times, np.zeros((len(record.times), 1)), record.reasons)
         drawn = [
             (title, values, names) for title, values, names in columns if values is not None and len(names)
         ]
@@ -226,7 +224,7 @@ def _with_cursor(times: Floats, columns: Floats, now: float) -> tuple[Floats, ..
     return (np.maximum.accumulate(stamps), *joined.T, line)
 
 
-def _spans(begins: Floats, found: NDArray[np.uint32], duration: float, now: float, names: str) -> str:
+def _spans(found: NDArray[np.uint32], duration: float, now: float, names: str) -> str:
     """A bar over time, coloured where something limited the motion, and what does so now."""
     count = min(SPANS, len(found))
     edges = np.linspace(0, len(found), count + 1).astype(int)

@@ -245,7 +245,7 @@ class View(Closing):
             self._show_parts()
             self._markers.show(motion, full)
             if player is not None:
-                player.show(motion, full)
+                player.show(full)
         if full:
             self._drawn = now
             self._block.show(motion.state.pose, panels.coloring)

@@ -122,7 +122,7 @@ class ReadingChecks:
         with np.errstate(invalid="ignore", over="ignore"):  # rows without numbers are left to others
             chosen = self._stretches(stamps)
             self._look(raw, steering, numbers)
-            self._check_jumps(stamps, raw, steering, chosen, numbers)
+            self._check_jumps(raw, steering, chosen, numbers)
             self._check_steps(stamps, raw if angles is None else angles, angles is None, numbers)
             turned = steering if joints is None else joints
             self._check_motion(stamps, raw, angles, turned, chosen, numbers)
@@ -203,7 +203,6 @@ class ReadingChecks:
 
     def _check_jumps(
         self,
-        stamps: Floats,
         raw: Floats,
         steering: Floats | None,
         chosen: NDArray[np.int64],

@@ -117,7 +117,7 @@ def find_jumps(
     others = np.delete(sizes, found)
     calm = len(found) and float(others.max(initial=0.0)) < CALM * float(sizes[found].min())
     if calm and len(others) >= LEAST:
-        wraps_at, known = _wrap(values, steps, found, span, turns, whole)
+        wraps_at, known = _wrap(steps, found, span, turns, whole)
         seen = wraps_at is not None and _is_certain(values, steps, found, wraps_at, known, whole)
         if seen and (known or whole or not steering):
             return Jumps(there[found + 1], wraps_at, float(values[found[0]]), float(values[found[0] + 1]))
@@ -141,12 +141,7 @@ def _lasting(steps: Floats, found: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _wrap(
-    values: Floats,
-    steps: Floats,
-    found: NDArray[np.int64],
-    span: float,
-    turns: Sequence[float],
-    whole: bool,
+    steps: Floats, found: NDArray[np.int64], span: float, turns: Sequence[float], whole: bool
 ) -> tuple[float | None, bool]:
     """The number at which a column starts over, from its jumps, None if they have none in common; and whether
     it is the range of a usual counter or a turn."""

@@ -304,13 +304,11 @@ def _choose(
         message = f"several nodes describe a rover: {', '.join(shown)}"
         report(line, (), message, "choose one with --parameters-node, in Python with node=")
         return None
-    _report_none(tree, blocks, names, node, report)
+    _report_none(blocks, names, node, report)
     return None
 
 
-def _report_none(
-    tree: Tree, blocks: list[Path], names: dict[Path, str], node: str | None, report: Report
-) -> None:
+def _report_none(blocks: list[Path], names: dict[Path, str], node: str | None, report: Report) -> None:
     """That no node is the rover's, and what to do about it."""
     listed = ", ".join(one_line(names[path]) for path in blocks[:8]) + (", ..." if len(blocks) > 8 else "")
     asked = "has the parameters of a rover" if node is None else f"is named {one_line(node)}"

@@ -40,7 +40,7 @@ def cut(ground: Terrain, centre: Floats, width: float) -> tuple[Floats, float]:
     return np.concatenate([places, heights[..., None]], axis=-1), spacing
 
 
-def colors(subject: Subject, points: Floats, spacing: float, coloring: str, yaw: float) -> NDArray[np.uint8]:
+def colors(subject: Subject, points: Floats, coloring: str, yaw: float) -> NDArray[np.uint8]:
     """A colour (n, n, 3) for each of the points of a block."""
     ground = subject.ground
     assert ground is not None
@@ -105,8 +105,8 @@ class Block:
         self._make(ground, centre, coloring, pose[2])
 
     def _make(self, ground: Terrain, centre: Floats, coloring: str, yaw: float) -> None:
-        points, spacing = cut(ground, centre, self.width)
-        painted = colors(self._subject, points, spacing, coloring, yaw).reshape(-1, 3)
+        points, _ = cut(ground, centre, self.width)
+        painted = colors(self._subject, points, coloring, yaw).reshape(-1, 3)
         origin = np.array([*centre, self._subject.origin[2]])
         place = tuple(origin - self._subject.origin)
         top = Mesh(np.nan_to_num(points - origin).reshape(-1, 3), triangles(points))

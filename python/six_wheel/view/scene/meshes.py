@@ -33,7 +33,7 @@ def robot_meshes(subject: Subject, motion: Motion) -> tuple[Drawn, list[str]]:
         return {}, []
     tree, notes = robot.tree, Notes(robot.path)
     frames = _frames_at_zero(subject, motion)
-    owners = _owners(subject, tree)
+    owners = _owners(subject)
     centres = np.stack([found.centre for found in robot.wheels.values()])
     wheels = np.stack([frames[f"wheel_{k}"][:3, 3] for k in range(len(centres))])
     offset = (wheels - centres).mean(axis=0)
@@ -73,7 +73,7 @@ def _frames_at_zero(subject: Subject, motion: Motion) -> dict[str, Floats]:
     return frames
 
 
-def _owners(subject: Subject, tree: Tree) -> dict[str, str]:
+def _owners(subject: Subject) -> dict[str, str]:
     """Joint to the frame of what it moves."""
     robot, suspension = subject.robot, subject.suspension
     assert robot is not None
