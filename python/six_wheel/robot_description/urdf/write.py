@@ -10,6 +10,7 @@ from six_wheel.kinematics.keywords import checked
 from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.urdf.read import parse_urdf
 from six_wheel.robot_description.urdf.wheel_geometry import NUMBERS
+from six_wheel.robot_description.wheels_of_rover import joints_by_wheel
 
 WIDTH = 0.6  # of a wheel, in radii
 ROLLERS = 8
@@ -213,8 +214,7 @@ class _Description:
 
     def wheel(self, rover: Rover, wheel: Wheel, holder: str, at: Point, *, centre: bool = False) -> None:
         """A wheel and what steers it; `at` is its pivot, or its centre where that is what the model has."""
-        drives = {name: joint for joint, name in rover.traction_joints.items()}
-        steers = {name: joint for joint, name in rover.steering_joints.items()}
+        steers, drives = joints_by_wheel(rover)
         joint = drives.get(wheel.name, f"{wheel.name}_wheel_joint")
         way = -1.0 if joint in rover.reversed_joints else 1.0
         below, yaw = at, wheel.heading
