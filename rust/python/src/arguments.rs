@@ -7,7 +7,7 @@
 
 use pyo3::PyClass;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyMapping, PyString};
 
 use crate::convert::{is_of_another_kind, number, numbers, refuse_type, short_repr};
 
@@ -31,17 +31,17 @@ macro_rules! named {
 
 named! {
     acceleration align align_tolerance allow_underdetermined angular_acceleration angular_deceleration angular_jerk
-    attitude_noise axle_length belly bias bias_noise bias_walk bogie_pivot bogie_to_front bogie_to_middle
-    brake_time castor correlation costmap covariances cover curvature deceleration delay derivatives
+    attitude_noise axle_length belly bias bias_noise bias_walk bogie_pivot bogie_to_front bogie_to_middle brake_time
+    castor changes correlation cost_weights costmap covariances cover curvature deceleration delay derivatives
     discretise driven drop dt duration end_twist errors false_alarm following_error following_time frame front_brake
-    front_to_middle gear_ratio
-    gravity ground gyroscope halt_deceleration heading history icr icr_forward
-    icr_left icr_right in_space increments inflate jerk joint_noise lag lateral_acceleration lethal level lift_angle lift_speed
-    limits map_error mass max_gap max_speed max_steering_rate max_step method middle_to_rear middle_track_width mode name noise offset
-    other outside period pivot_rate pivots pose radius ramp readings rear_brake rear_pivot rear_to_wheel residuals
-    roller_angle roughness rover scale_noise scrub shape side_slip slip slip_threshold slips smoothing
-    spacing speed stamp stand start_twist steer steered steering steering_acceleration steering_jerk steering_limit
-    steering_rate suspension synchronise temperature threads ticks_per_turn timeout tolerance track_width trail unmeasured view
+    front_to_middle gear_ratio gravity ground gyroscope halt_deceleration heading history icr icr_forward icr_left
+    icr_right in_space increments inflate jerk joint_noise joints lag lateral_acceleration lethal level lift_angle
+    lift_speed limits map_error mass max_gap max_speed max_steering_rate max_step method middle_to_rear
+    middle_track_width mode name names noise offset other outside pair period pivot_rate pivots pose radius ramp
+    readings rear_brake rear_pivot rear_to_wheel residuals reversed_joints roller_angle roughness rover scale_noise
+    scrub shape side_slip slip slip_threshold slips smoothing spacing speed stamp stand start_twist steer steered
+    steering steering_acceleration steering_jerk steering_joints steering_limit steering_rate suspension synchronise
+    temperature threads ticks_per_turn timeout tolerance track_width traction_joints trail unmeasured view
     wheel_acceleration wheel_jerk wheel_radius wheel_speed wheelbase wheels_per_side within wraps_at x y yaw yaw_rate
 }
 
@@ -91,18 +91,6 @@ impl<'a, 'py> FromArgument<'a, 'py> for f64 {
     }
 }
 
-impl<'a, 'py> FromArgument<'a, 'py> for bool {
-    fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
-        native(argument, "True or False", value)
-    }
-}
-
-impl<'a, 'py> FromArgument<'a, 'py> for String {
-    fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
-        native(argument, "a str", value)
-    }
-}
-
 impl<'a, 'py, const COUNT: usize> FromArgument<'a, 'py> for [f64; COUNT] {
     fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         numbers(argument, value)
@@ -133,25 +121,47 @@ impl<'a, 'py> FromArgument<'a, 'py> for &'a str {
     }
 }
 
+/// Types of Python that pyo3 reads.
+macro_rules! natives {
+    ($($kind:ty, $words:literal;)*) => {$(
+        impl<'a, 'py> FromArgument<'a, 'py> for $kind {
+            fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+                native(argument, $words, value)
+            }
+        }
+    )*};
+}
+
+natives! {
+    bool, "True or False";
+    String, "a str";
+    Vec<String>, "a list of str";
+    Vec<usize>, "a list of whole numbers from 0 on";
+    (f64, f64, f64), "three numbers";
+    (f64, f64, f64, f64), "four numbers";
+}
+
+/// Containers of Python, as they are.
+macro_rules! containers {
+    ($($kind:ty, $words:literal;)*) => {$(
+        impl<'a, 'py> FromArgument<'a, 'py> for &'a Bound<'py, $kind> {
+            fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+                value.cast().map_err(|_| other_kind(argument, $words, value, ""))
+            }
+        }
+    )*};
+}
+
+containers! {
+    PyDict, "a dict";
+    PyMapping, "a mapping";
+}
+
 impl<'a, 'py, T: FromArgument<'a, 'py>> FromArgument<'a, 'py> for Option<T> {
     fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         if value.is_none() { Ok(None) } else { T::read(argument, value).map(Some) }
     }
 }
-
-/// Several numbers, each of which may be the odd one.
-macro_rules! numbers {
-    ($count:literal: $($kind:ty)*) => {
-        impl<'a, 'py> FromArgument<'a, 'py> for ($($kind,)*) {
-            fn read(argument: &'static str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
-                native(argument, concat!($count, " numbers"), value)
-            }
-        }
-    };
-}
-
-numbers! { "three": f64 f64 f64 }
-numbers! { "four": f64 f64 f64 f64 }
 
 /// A class of this library that is taken as an argument.
 pub trait ArgumentKind: PyClass {

@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyTuple, PyType};
 use six_wheel_planner::{CycleInput, Mppi as Core, Options, Precision, State, Weights};
 
+use crate::arguments::other_kind;
 use crate::controller::limits::Limits;
 use crate::convert::{Array, OrRaise, Out, Output, Results, Rows, compute_rows, number, one_row, refuse};
 use crate::rover::Rover;
@@ -155,7 +156,7 @@ methods! { Mppi:
     #[new]
     fn new[](rover: Bound<'py, Rover>, limits: Option<Limits> = None, *, horizon=None, dt: Option<f64> = None,
         samples=None, seed=None, sampling_std=None, correlation: f64 = 0.5, temperature: f64 = 1.0,
-        cost_weights: native Option<&Bound<'py, PyDict>> = None, smoothing: bool = true, delay: f64 = 0.0, dtype=None,
+        cost_weights: Option<&Bound<'py, PyDict>> = None, smoothing: bool = true, delay: f64 = 0.0, dtype=None,
         footprint=None, **)
     as "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, sampling_std=None, correlation=0.5, temperature=1.0, cost_weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=None)"
     -> PyResult<Self> {
@@ -235,6 +236,9 @@ methods! { Mppi:
     -> PyResult<MppiPlan> {
         if !more.is_empty() {
             return Err(one_row("Mppi.step((x, y, yaw))", "state", 1 + more.len()));
+        }
+        if let Some(function) = extra_cost.filter(|function| !function.is_callable()) {
+            return Err(other_kind("extra_cost", "a function", function, ""));
         }
         let seen = Seen::of(state)?;
         let pose = Rows::read("state.pose", &seen.pose, 3)?.over(&[])?;

@@ -267,9 +267,9 @@ getters! { Rover, self, py:
 
 methods! { Rover:
     #[new]
-    fn new[py: Python<'py>](wheels, *, traction_joints: native Option<&Bound<'py, PyMapping>> = None,
-        steering_joints: native Option<&Bound<'py, PyMapping>> = None,
-        reversed_joints: native Option<Vec<String>> = None, suspension: native Option<Py<RockerBogie>> = None, **)
+    fn new[py: Python<'py>](wheels, *, traction_joints: Option<&Bound<'py, PyMapping>> = None,
+        steering_joints: Option<&Bound<'py, PyMapping>> = None,
+        reversed_joints: Option<Vec<String>> = None, suspension: native Option<Py<RockerBogie>> = None, **)
     as "(wheels, *, traction_joints=None, steering_joints=None, reversed_joints=None, suspension=None)"
     -> PyResult<Self> {
         let wheels = read_wheels(wheels)?;

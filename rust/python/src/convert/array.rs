@@ -5,7 +5,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple, PyType};
+use pyo3::types::{PyBool, PyBytes, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple, PyType};
 
 use super::errors::{is_of_another_kind, refuse, refuse_type, short_repr};
 use super::memory;
@@ -185,7 +185,7 @@ pub fn refuse_masks(argument: &str, value: &Bound<'_, PyAny>, depth: usize) -> P
 
 /// NumPy's own complaint about the shape of lists, in the words of this library. What an argument's own code
 /// raises comes through.
-fn not_rectangular(argument: &str, value: &Bound<'_, PyAny>, error: PyErr) -> PyErr {
+pub fn not_rectangular(argument: &str, value: &Bound<'_, PyAny>, error: PyErr) -> PyErr {
     let py = value.py();
     let is_own = error.traceback(py).is_none()
         && error.is_instance_of::<PyValueError>(py)
@@ -211,7 +211,8 @@ pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
 
 /// The two numbers of a pair, or the only one.
 pub fn pair_or_one(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Result<[f64; 2], f64>> {
-    let Ok([first, second]) = value.extract::<[Bound<'_, PyAny>; 2]>() else {
+    let is_text = value.is_instance_of::<PyString>() || value.is_instance_of::<PyBytes>();
+    let Some([first, second]) = value.extract::<[Bound<'_, PyAny>; 2]>().ok().filter(|_| !is_text) else {
         return number(argument, value).map(Err);
     };
     Ok(Ok([number(&format!("{argument}[0]"), &first)?, number(&format!("{argument}[1]"), &second)?]))

@@ -13,7 +13,7 @@ mod output;
 mod pool;
 mod strided;
 
-pub use array::{items, name, number, pair, pair_or_one, read_array, singles};
+pub use array::{items, name, not_rectangular, number, pair, pair_or_one, read_array, singles};
 pub use blocks::Blocks;
 pub use broadcast::{Broadcast, joined, joint, rows_over, together};
 pub use compute::{batches_at_work, compute, compute_rows, forget_other_threads};

@@ -195,7 +195,7 @@ methods! { FourAxle:
     /// InfeasibleMotionError
     ///     If both pairs locked at these angles could not move; the message has the singular value and the
     ///     angles at which the pair could be locked.
-    fn lock[&self, py: Python<'py>](state, pair: native &str) -> PyResult<Bound<'py, PyAny>> {
+    fn lock[&self, py: Python<'py>](state, pair: &str) -> PyResult<Bound<'py, PyAny>> {
         self.with_brakes(py, state, pair, Core::lock)
     }
 
@@ -219,7 +219,7 @@ methods! { FourAxle:
     /// ------
     /// InfeasibleMotionError
     ///     If the other pair is free and the axle lines share a point: nothing would hold the body.
-    fn release[&self, py: Python<'py>](state, pair: native &str) -> PyResult<Bound<'py, PyAny>> {
+    fn release[&self, py: Python<'py>](state, pair: &str) -> PyResult<Bound<'py, PyAny>> {
         self.with_brakes(py, state, pair, Core::release)
     }
 }

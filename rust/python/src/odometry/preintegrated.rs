@@ -237,7 +237,7 @@ methods! { Preintegrated:
     ///     As in `residual`.
     /// by_changes : dict of str to ndarray
     ///     Derivatives by every change, arrays (3 or 6, wheels).
-    fn factor[&self, py: Python<'py>](pose_i, pose_j, changes: native &Bound<'py, PyDict>)
+    fn factor[&self, py: Python<'py>](pose_i, pose_j, changes: &Bound<'py, PyDict>)
     -> PyResult<Factor<'py>> {
         let poses = [self.pose_of("pose_i", pose_i)?, self.pose_of("pose_j", pose_j)?];
         let (changes, rows) = (self.changes(changes)?, self.rows());

@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use six_wheel_kinematics::geometry::GridPlacement;
 use six_wheel_planner::Costmap as Core;
 
-use crate::convert::{OrRaise, pair, pair_or_one, refuse_shape, refuse_type};
+use crate::convert::{OrRaise, not_rectangular, pair, pair_or_one, refuse_shape, refuse_type};
 
 /// Costs on a grid, for a planner.
 ///
@@ -75,7 +75,8 @@ methods! { Costmap:
         outside: Option<f64> = None, frame: Option<String> = None, **)
     as "(values, spacing, origin=None, yaw=0.0, *, lethal=None, outside=None, frame=None)" -> PyResult<Self> {
         let numpy = py.import("numpy")?;
-        let array = numpy.call_method1("asarray", (values,))?;
+        let array = numpy.call_method1("asarray", (values,));
+        let array = array.map_err(|error| not_rectangular("values", values, error))?;
         let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
         if !matches!(kind.as_str(), "f" | "i" | "u" | "b") {
             return Err(refuse_type("values", "be real numbers", format!("dtype {}", array.getattr("dtype")?)));

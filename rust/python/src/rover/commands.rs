@@ -74,7 +74,7 @@ methods! { Rover:
     ///     In the order of `steered_wheel_names` and `wheel_names`, with the wheels' signs: what `forward`,
     ///     `Odometry.update` and `Controller.step` take. NaN for a wheel that no joint drives.
     #[doc = raises!("If a joint is missing; the message names it.")]
-    fn readings[&self, py: Python<'py>](joints: native &Bound<'py, PyMapping>)
+    fn readings[&self, py: Python<'py>](joints: &Bound<'py, PyMapping>)
     -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let numpy = py.import(intern!(py, "numpy"))?;
         let missing = |name: &str| {

@@ -19,7 +19,7 @@ methods! { Rover:
     ///     rockers and bogies where there is a suspension. The base frame lies on the ground, a suspension's
     ///     where it has its own.
     #[doc = raises!("If a wheel is none that a URDF can hold: with rollers.")]
-    fn urdf[slf: &Bound<'py, Self>](name: native &str = "rover") -> PyResult<String> {
+    fn urdf[slf: &Bound<'py, Self>](name: &str = "rover") -> PyResult<String> {
         let module = slf.py().import("six_wheel.robot_description.urdf")?;
         module.call_method1("rover_urdf", (slf, name))?.extract()
     }

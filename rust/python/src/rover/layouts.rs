@@ -61,7 +61,7 @@ methods! { Rover:
     #[staticmethod]
     fn six_wheel[py: Python<'py>](*, front_to_middle: f64, middle_to_rear: f64, track_width: f64,
         middle_track_width: Option<f64> = None, wheel_radius: f64, steering_limit=None, scrub=None, trail=None,
-        names: native Option<Vec<String>> = None, **)
+        names: Option<Vec<String>> = None, **)
     as "(*, front_to_middle, middle_to_rear, track_width, middle_track_width=None, wheel_radius, steering_limit=None, scrub=0.0, trail=0.0, names=None)"
     -> PyResult<Self> {
         let halves = [track_width / 2.0, middle_to_rear, front_to_middle, middle_track_width.unwrap_or(track_width) / 2.0];
@@ -88,7 +88,7 @@ methods! { Rover:
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
     #[staticmethod]
     fn swerve[py: Python<'py>](positions, wheel_radius: f64, *, steering_limit=None,
-        names: native Option<Vec<String>> = None, scrub=None, trail=None, **)
+        names: Option<Vec<String>> = None, scrub=None, trail=None, **)
     as "(positions, wheel_radius, *, steering_limit=None, names=None, scrub=0.0, trail=0.0)" -> PyResult<Self> {
         let positions = self::positions(positions)?;
         let given = PerWheel { steering_limit, scrub, trail, names: None };
@@ -126,7 +126,7 @@ methods! { Rover:
     #[staticmethod]
     fn differential[py: Python<'py>](track_width: f64, wheel_radius, *, wheels_per_side: i64 = 1,
         wheelbase: Option<f64> = None, icr_left: Option<f64> = None, icr_right: Option<f64> = None,
-        icr_forward: Option<f64> = None, scrub=None, trail=None, names: native Option<Vec<String>> = None, **)
+        icr_forward: Option<f64> = None, scrub=None, trail=None, names: Option<Vec<String>> = None, **)
     as "(track_width, wheel_radius, *, wheels_per_side=1, wheelbase=None, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
     -> PyResult<Self> {
         let given = PerWheel { scrub, trail, names, ..PerWheel::default() };
@@ -171,7 +171,7 @@ methods! { Rover:
     #[staticmethod]
     fn tracked[py: Python<'py>](track_width, wheel_radius, *, icr_left: Option<f64> = None,
         icr_right: Option<f64> = None, icr_forward: Option<f64> = None, scrub=None, trail=None,
-        names: native Option<Vec<String>> = None, **)
+        names: Option<Vec<String>> = None, **)
     as "(track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
     -> PyResult<Self> {
         let [width, radius] = [track_width, wheel_radius].map(|size| Given(Some(size.clone())));

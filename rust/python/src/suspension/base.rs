@@ -184,8 +184,8 @@ methods! { Suspension:
     /// Suspension
     #[doc = raises!("If there are too few or too many wheels, or a number makes no sense.")]
     #[staticmethod]
-    fn rigid[py: Python<'py>](centres, wheel_radius: f64, *, names: native Option<Vec<String>> = None,
-        steered: native Vec<usize> = (Vec::new()), steering_limit=None, **)
+    fn rigid[py: Python<'py>](centres, wheel_radius: f64, *, names: Option<Vec<String>> = None,
+        steered: Vec<usize> = (Vec::new()), steering_limit=None, **)
     as "(centres, wheel_radius, *, names=None, steered=(), steering_limit=None)" -> PyResult<Self> {
         let rows = Rows::read("centres", centres, 3)?.table()?;
         let range = steering(py, steering_limit)?;

@@ -298,7 +298,7 @@ methods! { RockerBogie:
     /// ------
     /// TypeError
     ///     If the name is not a str.
-    fn urdf[slf: &Bound<'py, Self>](name: native &str = "rover") -> PyResult<String> {
+    fn urdf[slf: &Bound<'py, Self>](name: &str = "rover") -> PyResult<String> {
         let module = slf.py().import("six_wheel.robot_description.urdf")?;
         module.call_method1("suspension_urdf", (slf, name))?.extract()
     }

@@ -33,7 +33,7 @@ methods! { Rover:
     #[doc = raises!("If a length or the limit is not finite and positive.")]
     #[staticmethod]
     fn ackermann[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *, steering_limit=None,
-        driven: &str = "rear", scrub=None, trail=None, names: native Option<Vec<String>> = None, **)
+        driven: &str = "rear", scrub=None, trail=None, names: Option<Vec<String>> = None, **)
     as "(wheelbase, track_width, wheel_radius, *, steering_limit=None, driven='rear', scrub=0.0, trail=0.0, names=None)"
     -> PyResult<Self> {
         let given = PerWheel { steering_limit, scrub, trail, names };
@@ -58,7 +58,7 @@ methods! { Rover:
     #[doc = raises!("If a length or the limit is not finite and positive.")]
     #[staticmethod]
     fn tricycle[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *, steering_limit=None,
-        driven: &str = "front", scrub=None, trail=None, names: native Option<Vec<String>> = None, **)
+        driven: &str = "front", scrub=None, trail=None, names: Option<Vec<String>> = None, **)
     as "(wheelbase, track_width, wheel_radius, *, steering_limit=None, driven='front', scrub=0.0, trail=0.0, names=None)"
     -> PyResult<Self> {
         let given = PerWheel { steering_limit, scrub, trail, names };
@@ -81,7 +81,7 @@ methods! { Rover:
     #[doc = raises!("If a length or the limit is not finite and positive.")]
     #[staticmethod]
     fn bicycle[py: Python<'py>](wheelbase: f64, wheel_radius: f64, *, steering_limit=None, driven: &str = "rear",
-        scrub=None, trail=None, names: native Option<Vec<String>> = None, **)
+        scrub=None, trail=None, names: Option<Vec<String>> = None, **)
     as "(wheelbase, wheel_radius, *, steering_limit=None, driven='rear', scrub=0.0, trail=0.0, names=None)"
     -> PyResult<Self> {
         let given = PerWheel { steering_limit, scrub, trail, names };

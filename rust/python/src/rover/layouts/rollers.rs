@@ -26,7 +26,7 @@ methods! { Rover:
     #[doc = raises!("If a length is not finite and positive, or the rollers leave nothing to drive.")]
     #[staticmethod]
     fn mecanum[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *,
-        roller_angle: Option<f64> = None, scrub=None, trail=None, names: native Option<Vec<String>> = None, **)
+        roller_angle: Option<f64> = None, scrub=None, trail=None, names: Option<Vec<String>> = None, **)
     as "(wheelbase, track_width, wheel_radius, *, roller_angle=0.7853981633974483, scrub=0.0, trail=0.0, names=None)"
     -> PyResult<Self> {
         let angle = roller_angle.unwrap_or(std::f64::consts::FRAC_PI_4);
@@ -51,7 +51,7 @@ methods! { Rover:
     #[doc = raises!("If a value is not finite, the radius not positive, or the rollers leave nothing to drive.")]
     #[staticmethod]
     fn omni[py: Python<'py>](positions, headings, wheel_radius: f64, *, roller_angle: Option<f64> = None,
-        names: native Option<Vec<String>> = None, scrub=None, trail=None, **)
+        names: Option<Vec<String>> = None, scrub=None, trail=None, **)
     as "(positions, headings, wheel_radius, *, roller_angle=1.5707963267948966, names=None, scrub=0.0, trail=0.0)"
     -> PyResult<Self> {
         let positions = super::positions(positions)?;
