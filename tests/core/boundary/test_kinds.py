@@ -112,6 +112,36 @@ WRONG = {
         "ground must be a Terrain, got 5: give sw.Terrain(heights, spacing=...)",
     ),
     "a map's path": (lambda: sw.Terrain.read(5), "path must be a path, got 5"),
+    # pyo3's own errors of these named no argument: "'int' object is not an instance of 'Sequence'".
+    "names": (lambda: sw.Suspension.rigid(np.eye(3), 0.1, names=3), "names must be a list of str, got 3"),
+    "names of a rover": (
+        lambda: sw.Rover.swerve(np.eye(3)[:, :2], 0.1, names=5),
+        "names must be a list of str, got 5",
+    ),
+    "steered wheels": (
+        lambda: sw.Suspension.rigid(np.eye(3), 0.1, steered=0),
+        "steered must be a list of whole numbers from 0 on, got 0",
+    ),
+    "a URDF's name": (lambda: ROVER.urdf(name=3), "name must be a str, got 3"),
+    "a URDF's name in space": (lambda: ARM.urdf(name=3), "name must be a str, got 3"),
+    "weights": (lambda: sw.Mppi(ROVER, cost_weights=[1]), "cost_weights must be a dict, got a list"),
+    "extra costs": (
+        lambda: sw.Mppi(ROVER).step((0, 0, 0), extra_cost=3),
+        "extra_cost must be a function, got 3",
+    ),
+    "joints": (lambda: ROVER.readings(3), "joints must be a mapping, got 3"),
+    "joints of wheels": (
+        lambda: sw.Rover(ROVER.wheels, traction_joints=3),
+        "traction_joints must be a mapping, got 3",
+    ),
+    "reversed joints": (
+        lambda: sw.Rover(ROVER.wheels, reversed_joints=3),
+        "reversed_joints must be a list of str, got 3",
+    ),
+    "spacing as text": (
+        lambda: sw.Terrain(np.zeros((3, 3)), "12"),
+        "spacing must be a number, got '12'",
+    ),
 }
 
 
@@ -121,6 +151,13 @@ def test_another_kind_is_named(call, message):
         call()
     assert isinstance(caught.value, ValueError)
     assert "\n" not in str(caught.value)
+
+
+def test_ragged_costs_are_named():
+    with pytest.raises(
+        ValueError, match="^values must be numbers of one rectangular shape, got a ragged list"
+    ):
+        sw.Costmap([[1.0], [1.0, 2.0]], 1.0)
 
 
 @pytest.mark.parametrize(
