@@ -22,7 +22,7 @@ from six_wheel.log_odometry.copies import without_copies
 from six_wheel.log_odometry.dead_reckoning import dead_reckon
 from six_wheel.log_odometry.evaluation.paths import align
 from six_wheel.logs.detect_reader import AnyLog, logs_in, read_log
-from six_wheel.logs.log_options import LogOptions
+from six_wheel.logs.log_options import LogOptions, keys_of
 from six_wheel.logs.recordings import WheelLog
 from six_wheel.parallel import Journal
 from six_wheel.parallel.journal import file_states
@@ -119,6 +119,8 @@ def calibrate_files(
             warnings += _said(reader)
         logs, _, copies = without_copies(logs)
         warnings += copies
+        for key, known in _known_encoders(rover, reading).items() if output else ():
+            warnings += [] if known is not None else [f"{key} that differ have no keys: they are not written"]
         moves = moving(rover, logs)
         still = [log.name for log, moved in zip(logs, moves, strict=True) if not moved]
         warnings += [f"{name}: left out: the rover stands still while its truth is known" for name in still]
@@ -210,11 +212,20 @@ def _encoders(result: Calibration, known: Mapping[str, Any]) -> dict[str, Any]:
     return encoders | ({"steering_gain": gains} if gains else {})
 
 
+def _known_encoders(rover: Rover, reading: LogOptions) -> dict[str, dict[str, Any] | None]:
+    """The keys of encoders of wheels and of steering joints, None where no keys say them."""
+    given = {"wheel_encoders": reading.wheel_encoders, "steering_encoders": reading.steering_encoders}
+    names = rover.wheel_names, rover.steered_wheel_names
+    return {key: keys_of(key, given[key], each) for key, each in zip(given, names, strict=True)}
+
+
 def _beside(done: Calibrated, parameters: Parameters | None, reading: LogOptions) -> dict[str, Any]:
     """Calibrated sections beside the rover's dimensions, by the keys that every parameter file has, and what
     the logs were read with, so that the file reads them again."""
-    result = done.result
-    read_with: dict[str, Any] = {}
+    result, read_with = done.result, dict[str, Any]()
+    wheels, steering = (known or {} for known in _known_encoders(result.rover, reading).values())
+    if steering and (parameters is None or steering != parameters.steering_encoders):
+        read_with["steering_encoders"] = steering
     for name in ("columns", "topics"):
         if given := getattr(reading, name):
             read_with[name] = dict(given) if isinstance(given, Mapping) else list(given)
@@ -223,7 +234,7 @@ def _beside(done: Calibrated, parameters: Parameters | None, reading: LogOptions
     if not reading.plausibility:
         read_with["plausibility"] = False
     return read_with | {
-        "wheel_encoders": _encoders(result, reading.wheel_keys),
+        "wheel_encoders": _encoders(result, {**wheels, **reading.wheel_keys}),
         "noise": _noise(result, parameters),
         "odometry": _odometry(result, parameters),
         "gyroscope": _gyroscope(done, parameters),

@@ -1,6 +1,6 @@
 """Options for what a log does not state, from the keys of a parameter file."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
@@ -108,6 +108,24 @@ def encoders_of(rover: Rover, part: str, values: Mapping[str, Any]) -> dict[str,
         )
         for wheel in wheels
     }
+
+
+def keys_of(argument: str, given: AnyEncoders, names: Sequence[str]) -> dict[str, Any] | None:
+    """Keys of a parameter file that make these encoders of the joints of wheels; None where no keys do."""
+    encoders, keys = encoders_or_keys(argument, given)
+    if encoders is None or not names:
+        return dict(keys)
+    each = [encoders.get(name) if isinstance(encoders, Mapping) else encoders for name in names]
+    known = [one for one in each if one is not None]
+    alike = {(one.ticks_per_turn, abs(one.gear_ratio), one.wraps_at) for one in known}
+    if len(known) < len(each) or len(alike) != 1:
+        return None
+    found: dict[str, Any] = dict(zip(("ticks_per_turn", "gear_ratio", "wraps_at"), alike.pop(), strict=True))
+    found["reversed"] = [name for name, one in zip(names, known, strict=True) if one.gear_ratio < 0.0] or None
+    if argument == "steering_encoders":
+        offsets = {name: one.offset for name, one in zip(names, known, strict=True) if one.offset}
+        found["offsets"] = offsets or None
+    return {key: value for key, value in found.items() if value is not None}
 
 
 def corrections(rover: Rover, values: Mapping[str, Any]) -> tuple[Floats, float]:

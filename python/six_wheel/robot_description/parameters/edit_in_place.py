@@ -89,7 +89,7 @@ def _quantities(rover: Rover) -> Floats:
 def _plain(rover: Rover, parameters: Parameters | None, beside: Values) -> str:
     """A file of our own keys, with what the old file says beside the rover."""
     said: Values = {}
-    groups: Values = {name: values for name, values in beside.items() if values}
+    groups: Values = {name: values for name, values in beside.items() if values or values is False}
     if parameters is not None:
         kept = ("odom_frame_id", "base_frame_id", "limits", "control")
         said = {name: getattr(parameters, name) for name in kept}
@@ -97,7 +97,7 @@ def _plain(rover: Rover, parameters: Parameters | None, beside: Values) -> str:
     for node in (parameters.node, None) if parameters is not None and parameters.node else (None,):
         data = ros_yaml.parse(dump(rover, node=node, **said), _unheard).data
         values = data if node is None else data[node][PARAMETERS]
-        values |= {name: value for name, value in groups.items() if value}
+        values |= {name: value for name, value in groups.items() if value or value is False}
         text = ros_yaml.write(values if node is None else {node: {PARAMETERS: values}})
         found = parse_parameters(text, node=node)
         if found.rover == rover and _holds(found, beside):
