@@ -149,6 +149,28 @@ def test_a_halt_in_every_phase(steps):
     assert not np.any(out.wheel_speeds)
 
 
+@pytest.mark.parametrize("steps", range(1, 60, 4))
+@pytest.mark.parametrize("hard", [0.5, 2.0])
+def test_a_halt_in_a_turn_keeps_the_centre(steps, hard):
+    """Joints without a limit of acceleration turned on, as jerk let the body: rest came up to 73 ms late."""
+    rover = sw.Rover.six_wheel(0.5, 0.5, 0.8, 0.9, wheel_radius=0.15)
+    limits = sw.Limits(
+        speed=1, acceleration=0.5, jerk=2, wheel_speed=20, steering_rate=1, halt_deceleration=hard
+    )
+    controller = sw.Controller(rover, limits, timeout=None)
+    controller.run([(0.5, 0.0, 0.1)], [0.0], np.arange(0.0, 4.0, DT))
+    controller.command((0.5, 0.0, 0.3), 4.0)
+    for k in range(steps):
+        before = controller.step(4.0 + k * DT)
+    controller.halt()
+    radius = rover.wheels[0].radius
+    count = math.ceil(np.abs(before.wheel_speeds).max() * radius / (hard * DT)) + 2
+    for k in range(steps, steps + count):
+        out = controller.step(4.0 + k * DT)
+        np.testing.assert_array_equal(out.steering, before.steering)
+    assert not np.any(out.twist)
+
+
 def test_a_release_in_motion_is_refused():
     robot = Robot()
     for _ in range(300):

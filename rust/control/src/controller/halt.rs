@@ -44,7 +44,7 @@ impl Controller {
     /// One step of a halt. Returns its reasons.
     ///
     /// The speed falls so that the fastest wheel slows down over the ground by `halt_deceleration`, the direction stays,
-    /// and joints that turn brake within their limits.
+    /// and joints that turn brake within their limits: in this step without a limit of their acceleration.
     pub(super) fn brake(&mut self, dt: f64) -> u32 {
         let stuck = self.following.stuck;
         let reasons = reason::HALTED | stuck.map_or(0, |_| reason::JOINT_STUCK);
@@ -52,7 +52,8 @@ impl Controller {
             self.aligned = false;
         }
         if self.aligned {
-            if self.joints.is_empty() {
+            // The change of the turn in the envelope has shares of the body's acceleration and jerk, which do not count.
+            if self.joints.is_empty() || self.filled.steering_acceleration.is_infinite() {
                 self.turn.rate = 0.0;
             }
             let before = self.ground_speeds();

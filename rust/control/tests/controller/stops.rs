@@ -93,7 +93,9 @@ fn a_halt_brakes_as_fast_as_it_may_and_nothing_moves_after_the_release() -> Resu
         let first = before.iter().copied().fold(0.0, f64::max);
         let allowed = limits.halt_deceleration * dt;
         let count = (first / allowed).ceil() as usize + 2;
-        let turned = controller.steering_rates().iter().any(|rate| *rate != 0.0);
+        // Without a limit of their acceleration the joints are at rest in the first step.
+        let turned =
+            limits.steering_acceleration.is_finite() && controller.steering_rates().iter().any(|rate| *rate != 0.0);
         for k in 0..count {
             assert!(!controller.command(wanted, 0.0, None)?, "seed {seed}");
             next(&mut controller)?;
