@@ -2,14 +2,14 @@
 //!
 //! From an array to a register and back, for one batch:
 //!
-//! 1. A **call** (one file a kind, here) has rows of numbers as the caller keeps them (a [`Table`]), and [`Workers`]: a level and
-//! a number of threads. It cuts the rows into shares for the threads (`threads/workers.rs` in `six_wheel_numerics`),
-//! and those into blocks that stay in the caches.
+//! 1. A **call** (one file a kind, here) has rows of numbers as the caller keeps them (a [`Table`]), and [`Workers`]: a
+//!    level and a number of threads. It cuts the rows into shares for the threads (`threads/workers.rs` in
+//!    `six_wheel_numerics`), and those into blocks that stay in the caches.
 //! 2. It takes the constants of the rover: the numbers that a formula needs of it.
-//! 3. [`Level::run_any`] enters a function that is compiled once per set of instructions, with a token `S`
-//! that proves the processor has them. Everything below it is `#[inline(always)]`. 4. A **kernel** ([`crate::kernels`],
-//! one file per quantity) splits 64 rows at a time into columns (`columns.rs`), one column per number of a row, so that
-//! a register holds the same number of 4 or 8 successive rows.
+//! 3. [`Level::run_any`] enters a function that is compiled once per set of instructions, with a token `S` that proves
+//!    the processor has them. Everything below it is `#[inline(always)]`.
+//! 4. A **kernel** ([`crate::kernels`], one file per quantity) splits 64 rows at a time into columns (`columns.rs`), one
+//!    column per number of a row, so that a register holds the same number of 4 or 8 successive rows.
 //! 5. It computes with `Lanes`, a register with the operators of a number (`simd/lanes.rs`), and functions of
 //!    `simd/polynomials.rs`. There are no branches on a lane: a `Mask` selects, and a part of a formula that no lane of a
 //!    register needs is left out where that changes no bit. So every level gives the same bits.
