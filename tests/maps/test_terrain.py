@@ -108,7 +108,7 @@ def test_the_last_nodes_are_on_the_map(spacing, origin, yaw):
     for columns in range(2, 60):
         rows = columns % 7 + 2
         heights = np.arange(float(rows * columns)).reshape(rows, columns)
-        ground = sw.Terrain(heights, spacing, origin=origin, yaw=yaw)
+        ground = sw.Terrain(heights, spacing, origin=origin, yaw=yaw, unit="m")
         places = nodes(ground)
         assert ground.contains(places).all()
         # Places are off by some of their last digits; the ground rises by up to `columns` per spacing.
