@@ -112,7 +112,9 @@ def _values(heights: Any) -> NDArray[Any]:
         return filled if np.ma.getmaskarray(heights).any() else np.ma.getdata(heights)
     try:
         values = np.asarray(heights)
-    except ValueError:
+    except ValueError as error:
+        if "inhomogeneous" not in str(error):  # it is that of the object's own code
+            raise
         kind = type(heights).__name__
         raise ValueError(f"heights must be numbers of one rectangular shape, got a ragged {kind}") from None
     if values.dtype == object:

@@ -252,9 +252,12 @@ impl<S: Vector> StepVisitor<S> for WheelDemands<'_, S> {
     #[inline(always)]
     fn tile(&mut self, simd: S, twists: &[S::f64s; WIDTH], dts: &PerStep<S>) {
         let mut per_dts = *dts;
+        let infinite = Lanes::splat(simd, f64::INFINITY);
         for (t, per_dt) in per_dts.iter_mut().enumerate() {
             *per_dt = Lanes::splat(simd, 1.0) / (*per_dt);
-            self.is_certain = self.is_certain & is_in_safe_range(simd, twist(simd, twists, t));
+            // Angles that stay have no rate, also over durations below 6e-309 s, whose inverse is infinite.
+            let is_regular = is_in_safe_range(simd, twist(simd, twists, t)) & per_dt.lt(infinite);
+            self.is_certain = self.is_certain & is_regular;
         }
         for bank in self.banks {
             let row = bank.row.into();

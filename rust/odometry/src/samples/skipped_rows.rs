@@ -6,12 +6,13 @@ use crate::settings::Readings;
 
 /// Record of rows that were left out since the last update.
 ///
-/// - `flag` is [`Health::BACKWARDS`] or [`Health::JUMP`] if a row was left out for that since the last update, and then
-/// `stamp`, `wheels` and `steering` are the readings of the last such row; otherwise it is [`Health::GOOD`] and they
-/// are undefined. - `pending` is not zero only if the readings are increments: the sum of those in rows left out
-/// because of their stamps, which belong to the next step. In running totals the next row contains them. - Every update
-/// clears both ([`Self::clear`]); `marked` is true if they are to be cleared, so that an update after an update takes
-/// one comparison.
+/// - `flag` is [`Health::BACKWARDS`] or [`Health::JUMP`] if a row was left out for that since the last update, and
+///   then `stamp`, `wheels` and `steering` are the readings of the last such row; otherwise it is [`Health::GOOD`] and
+///   they are undefined.
+/// - `pending` is not zero only if the readings are increments: the sum of those in rows left out because of their
+///   stamps, which belong to the next step. In running totals the next row contains them.
+/// - Every update clears both ([`Self::clear`]); `marked` is true if they are to be cleared, so that an update after an
+///   update takes one comparison.
 #[derive(Clone, Debug)]
 pub struct SkippedRows {
     /// The reason for which the last row was left out.
