@@ -58,9 +58,6 @@ Open = Callable[..., Any]
         (["husky", "--theme", "pink"], 'theme must be dark or light, got "pink"'),
         (["husky", "--export", "page.png"], 'path must end in .html, got "page.png"'),
         (["husky", "--export", "nowhere/page.html"], "the folder of the output must exist"),
-        (["husky", "--rrd", "run.png"], 'rrd must end in .rrd, got "run.png"'),
-        (["missing.mcap", "--rrd", "run.rrd"], "missing.mcap: no such file"),
-        (["husky", "--rrd", "run.rrd"], "got a rover without its record"),
     ],
 )
 def test_the_command_refuses_in_one_line(

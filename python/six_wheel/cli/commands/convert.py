@@ -30,7 +30,7 @@ def convert(
     if output.suffix.lower() in ROVERS:
         print(_write_rover(choose(rover, reading), output))
     else:
-        print(write_layout(rover, reading, output))
+        print(_write_layout(rover, reading, output))
 
 
 def _write_rover(chosen: NamedRover, target: Path) -> Path:
@@ -48,7 +48,7 @@ def _write_rover(chosen: NamedRover, target: Path) -> Path:
     return target.resolve()
 
 
-def write_layout(rover: str, reading: Reading, target: Path) -> Path:
+def _write_layout(rover: str, reading: Reading, target: Path) -> Path:
     """Write a layout for the rover of a parameter file, a preset or a record; where it is."""
     from six_wheel.logs.mcap import layouts
 

@@ -69,10 +69,6 @@ class Page(NamedTuple):
         Path | None,
         typer.Option(metavar="PAGE.html", help="Write the page, which then needs no server, and end."),
     ] = None
-    rrd: Annotated[
-        Path | None,
-        typer.Option(metavar="RECORD.rrd", help="Write a record .mcap for Rerun, with its layout, and end."),
-    ] = None
     theme: Annotated[str, typer.Option(metavar="dark|light", help="Of the page.")] = "dark"
 
 
@@ -96,13 +92,6 @@ def view(
     from six_wheel.view.opening import browse
     from six_wheel.view.server import free_port, require
 
-    if page.rrd is not None:
-        from six_wheel.cli.commands.convert import write_layout
-
-        if page.rrd.suffix.lower() != ".rrd":
-            raise ValueError(f'rrd must end in .rrd, got "{page.rrd}"')
-        print(write_layout(what, reading, page.rrd))
-        return
     require()
     port = page.port if page.export is None else None
     if port is not None:
