@@ -113,8 +113,8 @@ def _values(heights: Any) -> NDArray[Any]:
     try:
         values = np.asarray(heights)
     except ValueError as error:
-        if "inhomogeneous" not in str(error):  # it is that of the object's own code
-            raise
+        if error.__traceback__ is not None and error.__traceback__.tb_next is not None:
+            raise  # by the object's own code, not by NumPy
         kind = type(heights).__name__
         raise ValueError(f"heights must be numbers of one rectangular shape, got a ragged {kind}") from None
     if values.dtype == object:

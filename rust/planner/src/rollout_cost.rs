@@ -256,7 +256,7 @@ impl<S: Vector> StepVisitor<S> for WheelDemands<'_, S> {
         for (t, per_dt) in per_dts.iter_mut().enumerate() {
             *per_dt = Lanes::splat(simd, 1.0) / (*per_dt);
             // Angles that stay have no rate, also over durations below 6e-309 s, whose inverse is infinite.
-            let is_regular = is_in_safe_range(simd, twist(simd, twists, t)) & per_dt.lt(infinite);
+            let is_regular = is_in_safe_range(simd, twist(simd, twists, t)) & per_dt.abs().lt(infinite);
             self.is_certain = self.is_certain & is_regular;
         }
         for bank in self.banks {

@@ -153,11 +153,10 @@ def test_a_halt_in_every_phase(steps):
 @pytest.mark.parametrize("hard", [0.5, 2.0])
 def test_a_halt_in_a_turn_keeps_the_centre(steps, hard):
     """Joints without a limit of acceleration turned on, as jerk let the body: rest came up to 73 ms late."""
-    rover = sw.Rover.six_wheel(0.5, 0.5, 0.8, 0.9, wheel_radius=0.15)
-    limits = sw.Limits(
-        speed=1, acceleration=0.5, jerk=2, wheel_speed=20, steering_rate=1, halt_deceleration=hard
-    )
-    controller = sw.Controller(rover, limits, timeout=None)
+    lengths = {"front_to_middle": 0.5, "middle_to_rear": 0.5, "track_width": 0.8, "middle_track_width": 0.9}
+    rover = sw.Rover.six_wheel(**lengths, wheel_radius=0.15)
+    limits = sw.Limits(speed=1.0, acceleration=0.5, jerk=2.0, wheel_speed=20.0, steering_rate=1.0)
+    controller = sw.Controller(rover, limits.replace(halt_deceleration=hard), timeout=None)
     controller.run([(0.5, 0.0, 0.1)], [0.0], np.arange(0.0, 4.0, DT))
     controller.command((0.5, 0.0, 0.3), 4.0)
     for k in range(steps):
