@@ -111,6 +111,9 @@ impl GridPlacement {
     /// `origin + column spacing` is one of the grid.
     pub fn place_on_grid(&self, [x, y]: [f64; 2], last: [usize; 2]) -> Option<[f64; 2]> {
         let place = self.grid_from_world(x, y);
+        if (0..2).all(|axis| (0.0..=last[axis] as f64).contains(&place[axis])) {
+            return Some(place);
+        }
         let rounding = 4.0 * f64::EPSILON * [x, y, self.origin[0], self.origin[1]].map(f64::abs).iter().sum::<f64>();
         let is_on_grid = (0..2).all(|axis| {
             let slack = rounding / self.spacing[axis];
