@@ -22,7 +22,7 @@ pub(crate) struct FitConstants {
     unseen: Unseen,
     /// None where the equations depend on the readings, or sizes are extreme.
     block: Option<BlockConstants>,
-    /// Where `block` is None, least squares take the twist of the forward kinematics, to the bit.
+    /// Without a `block`, least squares take the twist of the forward kinematics, to the bit.
     forward: Option<ForwardConstants>,
 }
 

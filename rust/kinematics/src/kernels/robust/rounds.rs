@@ -235,7 +235,7 @@ impl<S: Vector, const WHEELS: usize> IrlsIterations<S, WHEELS> {
 
     /// Rounds of Newton's method, which converge to the same twist as the `left` remaining rounds: at a constant scale
     /// each of these multiplies the error of the twist by a matrix, whose power bounds the error after all of them.
-    /// Where that bound is not small enough, or the scale would change, nothing is changed.
+    /// Nothing is changed if that bound is too large or the scale would change.
     pub fn newton_iterations(&mut self, simd: S, wheels: &[RobustWheel], left: usize) {
         let near = self.change.lt(Lanes::splat(simd, NEAR));
         let trusted = self.active & self.held & near & self.comes_near(simd, wheels, left);
