@@ -55,9 +55,9 @@ def share(picture: NDArray[np.float64], hues: tuple[int, int]) -> float:
     return float(found.mean())
 
 
-def until(true: Callable[[], bool]) -> bool:
-    """True if it becomes true within the patience."""
-    end = time.monotonic() + PATIENCE / 1000.0
+def until(true: Callable[[], bool], patience: float = PATIENCE / 1000.0) -> bool:
+    """True if it becomes true within the patience [s]."""
+    end = time.monotonic() + patience
     while time.monotonic() < end:
         if true():
             return True

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import six_wheel as sw
 from six_wheel.view.scene.shapes import about_z
-from tests.view.browsing import Page
+from tests.view.browsing import PATIENCE, Page
 from tests.view.test_browser import page, until
 
 __all__ = ["page"]
@@ -124,6 +124,12 @@ def point_turns(view: Any) -> bool:
     return view.twist[2] > 0.0 and close(view.motion.icr, (left.x, left.y))
 
 
+def moves(view: Any, patience: float = PATIENCE / 1000.0) -> bool:
+    """True if the rover leaves its pose within so many seconds."""
+    start = view.pose
+    return until(lambda: view.pose != start, patience)
+
+
 def coloured(label: str) -> Case:
     return Case(
         lambda shown, _: shown.choose("Ground by", label),
@@ -187,15 +193,12 @@ def project(camera: Any, point: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.array([width / 2.0 + scale * x / depth, height / 2.0 + scale * y / depth])
 
 
-def turned(shown: Page, view: Any, label: str, value: str | None, button: str) -> None:
-    """Begin a motion, of which a record has its own, and set a slider or tick a box that matters to it."""
+def turned(shown: Page, view: Any, label: str, value: str, button: str) -> None:
+    """Begin a motion, of which a record has its own, and set a slider that matters to it."""
     if view._player is None:
         shown.press(button)
         assert until(lambda: bool(np.any(view.twist)))
-    if value is None:
-        shown.tick(label)
-    else:
-        shown.type(label, value)
+    shown.type(label, value)
 
 
 def widest(label: str, slider: Callable[[Any], Any]) -> Case:
@@ -230,7 +233,8 @@ def cases(view: Any) -> dict[str, list[Case]]:
             Case(lambda shown, v: (shown.press("↖"), shown.tick("Drive")),
                  lambda v: v._player is None and np.hypot(*np.subtract(v.pose, v._subject.start)[:2]) > 0.02,
                  f"{ROVER}/wheel_0"),
-            tick("Drive", lambda v: not v._panels.driving, "say"),
+            Case(lambda shown, v: (moves(v), shown.tick("Drive")),
+                 lambda v: not v._panels.driving and not moves(v, 0.3), "say"),
         ],
     }  # fmt: skip
     limits = {
@@ -286,13 +290,14 @@ def cases(view: Any) -> dict[str, list[Case]]:
         "body": hide("body", f"{ROVER}/body"),
         "fans": hide("fans", f"{ROVER}/fan_0"),
         "arrows": hide("arrows", SPEEDS),
+        # The centre is seen in a turn alone: a view may draw two changes at once, so the turn is a case.
         "centre": [
             Case(
-                lambda shown, v: turned(shown, v, "centre", None, "↖"),
-                lambda v: not node(v, ICR).visible,
-                ICR,
+                lambda shown, v: None if v._player else shown.press("↖"),
+                lambda v: bool(node(v, ICR).visible),
+                "" if view._player else ICR,
             ),
-            tick("centre", lambda v: bool(node(v, ICR).visible), ICR),
+            *hide("centre", ICR),
         ],
         "ahead": hide("ahead", f"{AHEAD}0"),
         "path": hide("path", "/world/record/path"),
