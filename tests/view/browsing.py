@@ -8,7 +8,7 @@ from typing import Any
 
 SOFTWARE = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 NAMES = ("chromium", "chromium-browser", "google-chrome")
-PATIENCE = 60_000  # [ms] of a machine that draws by software while it does other things
+PATIENCE = 180_000  # [ms] of a machine that draws by software while it does other things
 # A click of playwright's own waits for two pictures, seconds where software draws and has other work.
 CLICK = "element => element.click()"
 PAUSE = 120  # [ms]; viser's page sends one change in 50 ms at most, of several controls the last one
