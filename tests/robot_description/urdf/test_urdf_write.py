@@ -16,6 +16,7 @@ from six_wheel.robot_description.urdf import read_urdf
 from six_wheel.robot_description.urdf.read import parse_urdf
 from tests.rovers import MECANUM, PAIR, SIX_WHEELS
 
+OPEN_SOURCE_ROVER = Path(__file__).parents[4] / "shared" / "data" / "urdf" / "osr.urdf"
 ROUNDING = 4e-16  # of headings and roller angles, through a sine and back
 
 
@@ -57,6 +58,7 @@ def test_a_preset_comes_back(name: str, tmp_path: Path) -> None:
 
 
 lengths = st.floats(0.05, 2.0)
+offset = st.floats(-0.1, 0.1).map(lambda value: value if abs(value) > 1e-5 else 0.0)
 
 
 @given(
@@ -146,6 +148,33 @@ def test_a_rover_on_a_suspension_comes_back_whole(alone: str, steered: Any, limi
     rover = sw.Rover(arm.planar().wheels, suspension=arm)
     assert parse_urdf(rover.urdf()).rover == rover
     assert parse_urdf(arm.urdf()).rover.suspension == arm
+
+
+small = st.floats(-4e-3, 4e-3).map(lambda value: value if abs(value) > 1e-5 else 0.0)
+
+
+@given(scrub=offset, trail=offset, along=small, across=small)
+def test_a_rover_whose_sides_differ_comes_back_whole(
+    scrub: float, trail: float, along: float, across: float
+) -> None:
+    """The suspension has the mean of both sides; an Open Source Rover is uneven by 0.3 mm."""
+    arm = arms()["with a bar"]
+    rover = sw.Rover(arm.planar().wheels, suspension=arm)
+    for wheel in rover.wheels:
+        way = 1.0 if wheel.name.endswith("left") else -1.0
+        if wheel.steered:
+            place = {"x": wheel.x + trail + way * along, "y": wheel.y - way * scrub + across}
+            rover = rover.replace(wheel.name, **place, scrub=way * scrub, trail=trail)
+    found = parse_urdf(rover.urdf())
+    assert found.rover == rover
+    assert found.warnings == ()
+
+
+@pytest.mark.skipif(not OPEN_SOURCE_ROVER.is_file(), reason="the URDF of the Open Source Rover is elsewhere")
+def test_the_open_source_rover_comes_back_whole() -> None:
+    rover = sw.load(OPEN_SOURCE_ROVER)
+    assert rover.suspension is not None
+    assert parse_urdf(rover.urdf()).rover == rover
 
 
 def test_what_was_changed_by_hand_counts_and_is_said() -> None:

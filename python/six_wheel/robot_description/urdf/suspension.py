@@ -12,7 +12,7 @@ from six_wheel._core import RockerBogie
 from six_wheel.kinematics.poses import Floats
 from six_wheel.robot_description.urdf.elements import Notes
 from six_wheel.robot_description.urdf.tree import Joint, Tree
-from six_wheel.robot_description.urdf.wheel_geometry import LEVEL, FoundWheel
+from six_wheel.robot_description.urdf.wheel_geometry import LEVEL, ROUNDING, FoundWheel
 
 UNEVEN = 5e-3  # [m] by which the sides of a symmetric suspension may differ without a word
 ALONG = 0.97  # cosine of the angle up to which a hinge lies along y: 14 degrees
@@ -80,9 +80,14 @@ def find_suspension(tree: Tree, wheels: Mapping[str, FoundWheel], notes: Notes) 
     limits = {wheels[name].steering_limit for name in steered}
     if len(limits) == 1 and (limit := limits.pop()) is not None:
         arguments["steering_limit"] = limit
-    bar = tree.parameters.get(left.rocker.name, {}).get("differential_bar")  # as `write` notes it
+    noted = tree.parameters.get(left.rocker.name, {})  # as `write` notes them
     try:
-        arguments["differential_bar"] = None if bar is None else tuple(map(float, str(bar.text).split()))
+        for key in ("differential_bar", *left.vectors):
+            if key in noted:
+                said = tuple(map(float, str(noted[key].text).split()))
+                measured = arguments.get(key)
+                if measured is None or (len(said) == 3 and np.allclose(said, measured, 0.0, ROUNDING)):
+                    arguments[key] = said
         model = RockerBogie(**arguments)
     except ValueError as error:
         notes.warn(f"the tree is no rocker-bogie: {error}")

@@ -9,7 +9,7 @@ from six_wheel._core import RockerBogie, Rover, Wheel
 from six_wheel.kinematics.keywords import checked
 from six_wheel.robot_description.diagnostics import ParameterFileError
 from six_wheel.robot_description.urdf.read import parse_urdf
-from six_wheel.robot_description.urdf.wheel_geometry import NUMBERS
+from six_wheel.robot_description.urdf.wheel_geometry import NUMBERS, ROUNDING
 from six_wheel.robot_description.wheels_of_rover import joints_by_wheel
 
 WIDTH = 0.6  # of a wheel, in radii
@@ -76,6 +76,30 @@ def _refuse_others(rover: Rover, found: Rover) -> None:
             )
 
 
+def _centre(wheel: Wheel) -> tuple[float, float]:
+    """Place of a wheel's centre with its steering at 0 [m]."""
+    sin, cos = math.sin(wheel.heading), math.cos(wheel.heading)
+    return (
+        wheel.x - wheel.trail * cos - wheel.scrub * sin,
+        wheel.y - wheel.trail * sin + wheel.scrub * cos,
+    )
+
+
+def _beside(wheels: Mapping[str, Wheel], arm: RockerBogie) -> dict[str, tuple[float, float]]:
+    """Places of hinges of wheels, pivots where they steer, from the centres that a model has for them [m]."""
+    aside = {}
+    for model in arm.planar().wheels:
+        wheel = wheels[model.name]
+        centre = _centre(wheel)
+        apart = (centre[0] - model.x, centre[1] - model.y)
+        if max(map(abs, apart)) < ROUNDING:
+            apart = (0.0, 0.0)
+        if wheel.steered or wheel.castor:
+            apart = (apart[0] + (wheel.x - centre[0]), apart[1] + (wheel.y - centre[1]))
+        aside[wheel.name] = apart
+    return aside
+
+
 def _text(robot: Element) -> str:
     ElementTree.indent(robot)
     return f'<?xml version="1.0"?>\n{ElementTree.tostring(robot, encoding="unicode")}\n'
@@ -107,10 +131,7 @@ class _Description:
         size = (2.0 * max(reach[0], radius), 2.0 * max(reach[1] - radius, radius / 2.0), radius / 2.0)
         self.box("base_link", size, (0.0, 0.0, 1.5 * radius))
         for wheel in rover.wheels:
-            x, y = wheel.x, wheel.y
-            if not wheel.steered and not wheel.castor:
-                sin, cos = math.sin(wheel.heading), math.cos(wheel.heading)
-                x, y = x - wheel.trail * cos - wheel.scrub * sin, y - wheel.trail * sin + wheel.scrub * cos
+            x, y = (wheel.x, wheel.y) if wheel.steered or wheel.castor else _centre(wheel)
             self.wheel(rover, wheel, "base_link", (x, y, wheel.radius))
         return self.done()
 
@@ -123,6 +144,14 @@ class _Description:
         x, y, z = said["rocker_pivot"]
         self.box("base_link", (2.0 * max(abs(y), BEAM), 1.6 * abs(y), abs(y) / 2.0), (x, 0.0, z))
         wheels = {wheel.name: wheel for wheel in rover.wheels}
+        aside = _beside(wheels, arm)
+        # Where wheels are beside the model, whose vectors are the mean of both sides, a tree rounds these.
+        uneven = any(map(any, aside.values()))
+        noted = {
+            key: _numbers(value)
+            for key, value in said.items()
+            if isinstance(value, tuple) and len(value) == 3 and (uneven or key == "differential_bar")
+        }
         for side, way in (("left", 1.0), ("right", -1.0)):
 
             def mirrored(key: str, way: float = way) -> Point:
@@ -139,10 +168,8 @@ class _Description:
             if side == "right":
                 # Of a bar that is nearly so; what it is exactly stands among the parameters of the left one.
                 SubElement(hinge, "mimic", joint="left_rocker_joint", multiplier="-1.0", offset="0.0")
-            elif (bar := said.get("differential_bar")) is not None:
-                self.control_entry(
-                    f"{rocker}_joint", None, {"differential_bar": _numbers(bar)}, ("position",)
-                )
+            elif noted:
+                self.control_entry(f"{rocker}_joint", None, noted, ("position",))
             self.hinge(
                 f"{bogie}_joint",
                 rocker,
@@ -157,7 +184,8 @@ class _Description:
                     key = f"{holder.partition('_')[2]}_to_{place}"
                     wheel = wheels[f"{place}_{side}"]
                     self.beam(holder, mirrored(key))
-                    self.wheel(rover, wheel, holder, mirrored(key), centre=True)
+                    (x, y, z), (dx, dy) = mirrored(key), aside[wheel.name]
+                    self.wheel(rover, wheel, holder, (x + dx, y + dy, z))
         return self.done()
 
     def done(self) -> Element:
@@ -212,8 +240,8 @@ class _Description:
         for name, value in parameters.items():
             SubElement(entry, "param", name=name).text = value
 
-    def wheel(self, rover: Rover, wheel: Wheel, holder: str, at: Point, *, centre: bool = False) -> None:
-        """A wheel and what steers it; `at` is its pivot, or its centre where that is what the model has."""
+    def wheel(self, rover: Rover, wheel: Wheel, holder: str, at: Point) -> None:
+        """A wheel and what steers it; `at` is its pivot, or its centre where nothing turns it."""
         steers, drives = joints_by_wheel(rover)
         joint = drives.get(wheel.name, f"{wheel.name}_wheel_joint")
         way = -1.0 if joint in rover.reversed_joints else 1.0
@@ -232,7 +260,7 @@ class _Description:
             self.control_entry(steering, None if wheel.castor else "position", {})
             # The offset in the axes of the steered wheel, where nothing has been turned yet.
             holder, yaw = pillar, 0.0
-            below = ORIGIN if centre else (-wheel.trail, wheel.scrub, 0.0)
+            below = (-wheel.trail, wheel.scrub, 0.0)
         tyre = f"{wheel.name}_tyre"
         mass = DENSITY * math.pi * WIDTH * wheel.radius**3
         link = self.link(tyre, mass, wheel.radius)
