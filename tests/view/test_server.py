@@ -104,8 +104,9 @@ def test_a_port_that_is_taken_or_none_is_refused() -> None:
         with pytest.raises(ValueError, match=f"port {port} is taken; --port 0 takes a free one"):
             sw.view("husky", port=port, open=False)
     for port in (-1, 65536, True, 8080.0):
-        with pytest.raises(ValueError, match="port must be from 0 to 65535, got"):
+        with pytest.raises(ValueError, match="port must be from 0 to 65535, got") as told:
             sw.view("husky", port=port, open=False)  # type: ignore[arg-type]
+        assert isinstance(told.value, TypeError) == (type(port) is not int)
 
 
 def test_a_page_is_written_without_a_port(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

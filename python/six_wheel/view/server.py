@@ -37,8 +37,10 @@ def require() -> None:
 def free_port(port: int) -> None:
     """Fail unless the port can be opened on the loopback. Raises `ValueError` if it is no port, is taken, or
     may not be opened."""
-    if isinstance(port, bool) or not isinstance(port, int) or not 0 <= port <= 65535:
-        raise ArgumentTypeError(f"port must be from 0 to 65535, got {shown(port)}")
+    is_whole = isinstance(port, int) and not isinstance(port, bool)
+    if not is_whole or not 0 <= port <= 65535:
+        kind = ValueError if is_whole else ArgumentTypeError
+        raise kind(f"port must be from 0 to 65535, got {shown(port)}")
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
