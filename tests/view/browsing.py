@@ -6,6 +6,9 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 SOFTWARE = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 PATIENCE = 180_000  # [ms] of a machine that draws by software while it does other things
@@ -13,6 +16,9 @@ PATIENCE = 180_000  # [ms] of a machine that draws by software while it does oth
 CLICK = "element => element.click()"
 PAUSE = 120  # [ms]; viser's page sends one change in 50 ms at most, of several controls the last one
 DESK, TELEPHONE = (1280, 800), (390, 800)  # [px]
+# two pictures on
+DRAWN = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+SMALL = (760, 480)  # [px], which software draws fast
 
 
 def find_chromium() -> str | None:
@@ -118,3 +124,27 @@ class Page:
             self.frames[1] += len(data)
 
         socket.on("framereceived", received)
+
+
+def pull(shown: Page, camera: Any, handle: NDArray[np.float64], size: float) -> None:
+    """Pull the arrow of a handle along x with the mouse."""
+    grip, target = (project(camera, handle + np.array([share * size, 0.0, 0.0])) for share in (0.45, 0.75))
+    mouse = shown.page.mouse
+    mouse.move(*grip)
+    shown.page.evaluate(DRAWN)
+    mouse.down()
+    for share in np.linspace(0.0, 1.0, 8):
+        mouse.move(*(grip + share * (target - grip)))
+        shown.page.evaluate(DRAWN)
+    mouse.up()
+    shown.page.wait_for_timeout(500)
+
+
+def project(camera: Any, point: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Place of a point in the window [px], whose picture may be drawn with fewer pixels."""
+    from viser.transforms import SO3
+
+    width, height = SMALL
+    x, y, depth = SO3(np.asarray(camera.wxyz)).inverse() @ (point - np.asarray(camera.position))
+    scale = height / 2.0 / np.tan(camera.fov / 2.0)
+    return np.array([width / 2.0 + scale * x / depth, height / 2.0 + scale * y / depth])

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import six_wheel as sw
 from six_wheel.view.scene.shapes import about_z
-from tests.view.browsing import PATIENCE, Page
+from tests.view.browsing import DRAWN, PATIENCE, SMALL, Page, pull
 from tests.view.test_browser import page, until
 
 __all__ = ["page"]
@@ -22,9 +22,6 @@ Open = Callable[..., Any]
 CLOSED = ("Limits", "Scrub [cm]", "Rover", "Show")
 SPEEDS, AHEAD, ROVER = "/world/motion/speeds", "/world/motion/track_", "/world/rover"
 ICR = "/world/motion/icr"
-# two pictures on
-DRAWN = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
-SMALL = (760, 480)  # [px], which software draws fast
 CORNERS = [(0.3, 0.25), (0.3, -0.25), (-0.3, 0.25), (-0.3, -0.25)]
 
 
@@ -77,6 +74,32 @@ def press(name: str, signs: tuple[float, float, float]) -> Case:
 
 def tick(label: str, true: Callable[[Any], bool], changes: str) -> Case:
     return Case(lambda shown, _: shown.tick(label), true, changes)
+
+
+def driven_by(name: str, axis: int, way: int) -> Case:
+    """A key that changes a part of the twist by a step, with which the rover drives; the camera stays."""
+    before: dict[str, Any] = {}
+
+    def do(shown: Page, view: Any) -> None:
+        (client,) = view._server.get_clients().values()
+        before.update(twist=view.twist, camera=np.asarray(client.camera.wxyz))
+        key(shown, name)
+
+    def true(view: Any) -> bool:
+        (client,) = view._server.get_clients().values()
+        stays = close(before["camera"], client.camera.wxyz)
+        return stays and way * (view.twist[axis] - before["twist"][axis]) > 0.0 and view._panels.driving
+
+    return Case(do, true, ROVER)
+
+
+def sought_by(name: str, time: float) -> Case:
+    """A key that goes from 20 s to another time."""
+    return Case(
+        lambda shown, view: (setattr(view, "time", 20.0), key(shown, name)),
+        lambda view: close(view.time, time),
+        ROVER,
+    )
 
 
 def hide(label: str, name: str) -> list[Case]:
@@ -169,30 +192,6 @@ def rest(shown: Page, camera: Any) -> None:
     assert until(rests)
 
 
-def pull(shown: Page, camera: Any, handle: NDArray[np.float64], size: float) -> None:
-    """Pull the arrow of a handle along x with the mouse."""
-    grip, target = (project(camera, handle + np.array([share * size, 0.0, 0.0])) for share in (0.45, 0.75))
-    mouse = shown.page.mouse
-    mouse.move(*grip)
-    shown.page.evaluate(DRAWN)
-    mouse.down()
-    for share in np.linspace(0.0, 1.0, 8):
-        mouse.move(*(grip + share * (target - grip)))
-        shown.page.evaluate(DRAWN)
-    mouse.up()
-    shown.page.wait_for_timeout(500)
-
-
-def project(camera: Any, point: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Place of a point in the window [px], whose picture may be drawn with fewer pixels."""
-    from viser.transforms import SO3
-
-    width, height = SMALL
-    x, y, depth = SO3(np.asarray(camera.wxyz)).inverse() @ (point - np.asarray(camera.position))
-    scale = height / 2.0 / np.tan(camera.fov / 2.0)
-    return np.array([width / 2.0 + scale * x / depth, height / 2.0 + scale * y / depth])
-
-
 def turned(shown: Page, view: Any, label: str, value: str, button: str) -> None:
     """Begin a motion, of which a record has its own, and set a slider that matters to it."""
     if view._player is None:
@@ -235,6 +234,12 @@ def cases(view: Any) -> dict[str, list[Case]]:
                  f"{ROVER}/wheel_0"),
             Case(lambda shown, v: (moves(v), shown.tick("Drive")),
                  lambda v: not v._panels.driving and not moves(v, 0.3), "say"),
+        ],
+        "Drive: ahead": [driven_by("ArrowUp", 0, 1)], "Drive: back": [driven_by("ArrowDown", 0, -1)],
+        "Drive: left": [driven_by("ArrowLeft", 2, 1)], "Drive: right": [driven_by("ArrowRight", 2, -1)],
+        "Drive: stop": [
+            Case(lambda shown, v: (key(shown, "ArrowUp"), moves(v), key(shown, "Space")),
+                 lambda v: not v._panels.driving and not np.any(v.twist) and not moves(v, 0.3), "say"),
         ],
     }  # fmt: skip
     limits = {
@@ -322,6 +327,8 @@ def cases(view: Any) -> dict[str, list[Case]]:
             Case(lambda shown, _: key(shown, "Space"), lambda v: v._player.playing, ROVER),
             Case(lambda shown, _: key(shown, "Space"), lambda v: not v._player.playing, ""),
         ],
+        "A second back": [sought_by("ArrowLeft", 19.0)],
+        "A second on": [sought_by("ArrowRight", 21.0)],
     }
     return motion | limits | scrubs | place | joints | show | record
 

@@ -94,6 +94,30 @@ def test_objects_are_the_same_records(opened: Open) -> None:
             view.time = time
 
 
+def test_two_records_are_shown_beside_each_other(run: Run, opened: Open) -> None:
+    slower = commands("run.csv") * [1.0, 0.5, 1.0, 1.0]
+    np.savetxt("other.csv", slower, delimiter=",", header="time,vx,vy,omega", comments="")
+    for name in ("run", "other"):
+        assert run("drive", "perseverance", f"{name}.csv", "-o", f"{name}.mcap")[0] == 0
+    assert run("view", "run.mcap", "--with", "other.mcap", "--export", "page.html")[0] == 0
+    slow = find_subject("other.mcap").record
+    assert slow is not None
+    view = opened("run.mcap", other="other.mcap")
+    scene = view._server.scene
+    for time in (0.0, 8.0, 15.0):
+        view.time = time
+        there = scene.get_handle_by_name("/world/other").position + view._subject.origin
+        np.testing.assert_allclose(there[:2], slow.poses[slow.row(time), :2], atol=1e-9)
+    here = scene.get_handle_by_name("/world/rover").position
+    assert np.hypot(*(here - scene.get_handle_by_name("/world/other").position)[:2]) > 0.3
+    assert scene.get_handle_by_name("/world/record/other").visible
+    assert "six-wheel view run.mcap --with other.mcap --time 15" in view._panels._say.content
+    with pytest.raises(ValueError, match=r"^other \(--with\) must be left out unless a record is shown, got"):
+        find_subject("husky", other="other.mcap")
+    with pytest.raises(TypeError, match=r"^other \(--with\) must be a record, got 'husky'"):
+        find_subject("run.mcap", other="husky")
+
+
 def test_a_simulation_on_ground_stands_as_it_stood(opened: Open) -> None:
     suspension = sw.RockerBogie.preset("curiosity")
     ground = sw.Terrain.yard(20.0, 0.1, 0.08, 2)

@@ -61,6 +61,10 @@ def command_line(subject: Subject, state: State, time: float | None = None) -> s
     parts = ["six-wheel view", quote(str(subject.given))]
     if subject.rover_given is not None:
         parts.append(f"--rover {quote(str(subject.rover_given))}")
+    if subject.other is not None:
+        if subject.other.given is None:
+            return None
+        parts.append(f"--with {quote(subject.other.given)}")
     if subject.ground_given not in (None, "yard"):
         parts.append(f"--ground {quote(str(subject.ground_given))}")
     for name, value in _changes(subject, state, time).items():
@@ -74,10 +78,12 @@ def command_line(subject: Subject, state: State, time: float | None = None) -> s
 
 
 def python_lines(subject: Subject, state: State, time: float | None = None) -> str:
-    """The lines of a program; objects are called x, rover and ground."""
+    """The lines of a program; objects are called x, rover, other and ground."""
     options = ["x" if subject.given is None else repr(subject.given)]
     if subject.rover_given is not None:
         options.append(f"rover={repr(subject.rover_given) if subject.rover_given else 'rover'}")
+    if subject.other is not None:
+        options.append(f"other={'other' if subject.other.given is None else repr(subject.other.given)}")
     given = subject.ground_given
     own = subject.record is not None or subject.stand is not None
     if given == "flat" or (subject.ground is not None and given != "yard" and not own):

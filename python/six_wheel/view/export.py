@@ -22,6 +22,14 @@ REPLACED = {
     ),
     "checkShaderErrors:!0": "checkShaderErrors:!1",
 }
+# Arrow keys are commands of the served page, heard at the root of the document. The camera of viser's client
+# listens behind it and hears nothing of them. A slider with the focus keeps them for itself.
+ARROWS = (
+    '<script>document.documentElement.addEventListener("keydown",event=>{'
+    'if(!event.code.startsWith("Arrow"))return;'
+    'if(event.target.getAttribute("role")==="slider")event.stopImmediatePropagation();'
+    "event.stopPropagation()})</script>"
+)
 LONG = 1_000_000  # characters; the client is the only text of such a length that is decoded
 
 
@@ -48,7 +56,8 @@ def client_page() -> bytes:
     import viser
 
     source = Path(viser.__file__).parent / "client" / "build" / "index.html"
-    return prepared(source.read_text(encoding="utf-8")).encode()
+    page = source.read_text(encoding="utf-8").replace("<head>", f"<head>{ARROWS}", 1)
+    return prepared(page).encode()
 
 
 def write_page(server: viser.ViserServer, target: Path, dark: bool, frames: Iterable[float]) -> None:

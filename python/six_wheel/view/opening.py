@@ -29,6 +29,7 @@ def view(
     tilt: float | None = None,
     joints: ArrayLike | None = None,
     scrub: Mapping[str, float] | None = None,
+    other: Any = None,
     port: int = 0,
     open: bool = True,
     theme: str = "dark",
@@ -57,6 +58,9 @@ def view(
         Rocker and bogies of a suspension without ground [rad].
     scrub : mapping of str to float, optional
         Scrub of wheels by name [m], without ground.
+    other : Track, WheelLog, Simulation, ControlledDrive, str or PathLike, optional
+        A second record, whose rover is drawn paler beside that of the record `x`, on the same ground; both
+        begin at time 0.
     port : int, default 0
         On this machine only; 0 takes a free one.
     open : bool, default True
@@ -81,7 +85,7 @@ def view(
     from six_wheel.view.subject import find_subject
     from six_wheel.view.viewing import View
 
-    subject = find_subject(x, ground, rover=rover, at=at)
+    subject = find_subject(x, ground, rover=rover, at=at, other=other)
     state = start_state(
         subject, twist=twist, steering_limit=steering_limit, wheel_speed=wheel_speed, speed=speed, tilt=tilt,
         joints=joints, scrub=scrub,

@@ -24,6 +24,14 @@ if TYPE_CHECKING:
 STEPS = 200  # of a slider over its range
 PAD = (("↖", "↑", "↗"), ("⟲", "■", "⟳"), ("↙", "↓", "↘"))
 TURNS = ("Straight", "Crab", "Spin", "Point turn", "Stop")
+# Commands with a key: changes of vx and of the yaw rate, in tenths of the ranges of their sliders.
+KEYS: dict[str, tuple[Any, int, int]] = {
+    "Drive: ahead": ("arrowup", 1, 0),
+    "Drive: back": ("arrowdown", -1, 0),
+    "Drive: left": ("arrowleft", 0, 1),
+    "Drive: right": ("arrowright", 0, -1),
+    "Drive: stop": ("space", 0, 0),
+}
 SHOWN = ("body", "arrows", "centre", "ahead", "fans", "path", "follow")  # the path is that of a record
 
 
@@ -71,9 +79,7 @@ class Panels:
         """The state that the controls give, of one with all they do not say."""
         values: dict[str, Any] = {}
         if self._subject.record is None:
-            unit = self._unit
-            vx, vy, omega = map(self._value, self._twist)
-            values["twist"] = (vx / unit, vy / unit, math.radians(omega))
+            values["twist"] = self._commanded()
         if self._steering is not None:
             values["steering_limit"] = math.radians(self._value(self._steering))
         values["wheel_speed"] = self._value(self._wheel_speed)
@@ -90,6 +96,11 @@ class Panels:
             x, y, yaw = map(self._value, self._place)
             values["pose"] = (x, y, math.radians(yaw))
         return replace(before, **values)
+
+    def _commanded(self) -> tuple[float, float, float]:
+        """The twist that the sliders give [m/s, m/s, rad/s]."""
+        vx, vy, omega = map(self._value, self._twist)
+        return (vx / self._unit, vy / self._unit, math.radians(omega))
 
     def set_twist(self, twist: Any) -> None:
         """Move the sliders of the motion."""
@@ -194,6 +205,8 @@ class Panels:
                 self._buttons(row, ("Pad", "", "")[number], self._step)
             self._drive = gui.add_checkbox("Drive", False, hint="drive on with this motion")
             self._watch(self._drive)
+        for label, (hotkey, ahead, left) in KEYS.items():
+            gui.add_command(label, hotkey=hotkey).on_trigger(partial(self._press, ahead, left))
         with gui.add_folder("Possible motions"):
             self._plane = gui.add_dropdown("Plane", list(PLANES), initial_value="vx over yaw rate")
             self._watch(self._plane)
@@ -230,6 +243,20 @@ class Panels:
             return
         turn = left if ahead >= 0 else -left  # backwards to the left is a turn to the right
         self.set_twist((ahead * self._spans[0] / 3.0, 0.0, turn * self._spans[2] / 3.0))
+
+    # The server calls coroutines in the order of the events: none of two keys is lost.
+    async def _press(self, ahead: int, left: int, event: Any) -> None:
+        """Drive with a motion that is changed by a step, or stop."""
+        drives = bool(ahead or left)
+        before = self._commanded() if drives else (0.0, 0.0, 0.0)
+        self.set_twist(
+            [
+                0.1 * span * (round(10.0 * value / span) + change) if change else value
+                for value, span, change in zip(before, self._spans, (ahead, 0, left), strict=True)
+            ]
+        )
+        self._drive.value = drives
+        self._changed()
 
     def _add_limits(self, state: State) -> None:
         gui, subject = self._gui, self._subject

@@ -5,6 +5,7 @@ from __future__ import annotations  # viser is loaded when a player is made
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     import viser
 
 DRIVEN, TRUE, ELLIPSE = (236, 228, 206), (122, 214, 96), (255, 201, 74)
+OTHER = (154, 143, 208)  # path of the record beside it
 INKS = ("#26a8b2", "#ffc94a", "#d0643c", "#9a8fd0", "#7ad660", "#e85a8c", "#7fb2ff", "#c0c0c0")
 SPEEDS = ("0.25x", "1x", "4x", "16x")
 ELLIPSES = 24  # along the path
@@ -73,9 +75,12 @@ class Player:
         self.go(time)
         return True
 
-    def state(self, before: State) -> State:
-        """The state of the rover at this time."""
-        record, row, rover = self._record, self._record.row(self.time), self._subject.rover
+    def state(self, before: State, of: Subject | None = None) -> State:
+        """The state of the rover at this time, or that of another record `of`."""
+        subject = self._subject if of is None else of
+        record, rover = subject.record, subject.rover
+        assert record is not None
+        row = record.row(self.time)
 
         def known(values: Floats | None, count: int) -> Any:
             return (0.0,) * count if values is None else tuple(np.nan_to_num(values[row]).tolist())
@@ -135,7 +140,13 @@ class Player:
         self._slider.on_update(seek)
         self._play.on_update(begin)
         gui.add_command("Play or pause", hotkey="space").on_trigger(toggle)
+        gui.add_command("A second back", hotkey="arrowleft").on_trigger(partial(self._step, -1.0))
+        gui.add_command("A second on", hotkey="arrowright").on_trigger(partial(self._step, 1.0))
         self._add_plots()
+
+    async def _step(self, dt: float, event: Any) -> None:
+        self.go(self.time + dt)
+        self._changed()
 
     def _add_plots(self) -> None:
         record, rover = self._record, self._subject.rover
@@ -172,6 +183,8 @@ class Player:
     def _add_paths(self) -> None:
         record, scene = self._record, self._server.scene
         self._line("/world/record/path", record.poses, DRIVEN)
+        if self._subject.other is not None and (other := self._subject.other.record) is not None:
+            self._line("/world/record/other", other.poses, OTHER)
         if record.truth is not None and record.truth.has_positions:
             self._line("/world/record/truth", record.truth.poses, TRUE)
         if record.covariances is not None:

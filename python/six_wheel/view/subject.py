@@ -54,6 +54,8 @@ class Subject:
         First pose [m, m, rad].
     stand : SettledPose or None
         The pose that was given, which has its ground and its steering angles.
+    other : Subject or None
+        Another record, which is shown beside this one on the same ground.
     """
 
     rover: Rover
@@ -68,6 +70,7 @@ class Subject:
     rover_given: str | None = None
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     stand: SettledPose | None = None
+    other: Subject | None = None
 
     @property
     def radius(self) -> float:
@@ -121,13 +124,14 @@ def find_subject(
     *,
     rover: Any = None,
     at: Any = None,
+    other: Any = None,
     node: str | None = None,
     kind: str | None = None,
     wheel_radius: float | None = None,
 ) -> Subject:
-    """The subject that an argument means; `rover` says whose a record is where it does not say so itself.
-    Raises `ValueError` if it is a file or a name that cannot be used: one line. Raises `TypeError` if it is
-    nothing that can be shown."""
+    """The subject that an argument means; `rover` says whose a record is where it does not say so itself,
+    `other` is a record to be shown beside it. Raises `ValueError` if it is a file or a name that cannot be
+    used: one line. Raises `TypeError` if it is nothing that can be shown."""
     reading: dict[str, Any] = {"node": node, "kind": kind, "wheel_radius": wheel_radius}
     from six_wheel.view.records.reading import find_record, is_record
 
@@ -165,7 +169,20 @@ def find_subject(
         start = tuple(np.nan_to_num(found.record.poses[0]).tolist())
     elif found.ground is not None and found.stand is None:
         start = (*middle(found.ground), 0.0)
-    return replace(found, start=(float(start[0]), float(start[1]), float(start[2])))
+    found = replace(found, start=(float(start[0]), float(start[1]), float(start[2])))
+    return found if other is None else _beside(found, other, rover, reading)
+
+
+def _beside(found: Subject, other: Any, rover: Any, reading: dict[str, Any]) -> Subject:
+    """The subject of a record with another one beside it."""
+    from six_wheel.view.records.reading import is_record
+
+    if found.record is None:
+        raise ValueError(f"other (--with) must be left out unless a record is shown, got {shown(other)}")
+    if not is_record(other):
+        raise ArgumentTypeError(f"other (--with) must be a record, got {shown(other)}")
+    made = find_subject(other, rover=rover, **reading)
+    return replace(found, other=replace(made, ground=found.ground, start=found.start))
 
 
 def find_ground(ground: Any, size: float) -> Terrain | None:

@@ -80,6 +80,9 @@ class View(Closing):
         nodes["floor"].visible = subject.ground is None
         self._world = nodes["world"]
         self._bodies = Bodies(server, subject, motion)
+        if subject.other is not None:
+            self._other_motion = find_motion(subject.other, start_state(subject.other))
+            self._other_bodies = Bodies(server, subject.other, self._other_motion, "/world/other")
         self._markers = Markers(server, subject, motion)
         self._block = Block(server, subject)
         self._panels = Panels(server, subject, state, self._ask, self._look)
@@ -142,11 +145,11 @@ class View(Closing):
         """Of the record [s]; 0 without one."""
         return 0.0 if self._subject.record is None else self._subject.record.duration
 
-    def show(self, x: Any, ground: Any = None, *, rover: Any = None) -> None:
+    def show(self, x: Any, ground: Any = None, *, rover: Any = None, other: Any = None) -> None:
         """Show something else in the same page; arguments as of `six_wheel.view`."""
         from six_wheel.view.subject import find_subject
 
-        subject = find_subject(x, ground, rover=rover)
+        subject = find_subject(x, ground, rover=rover, other=other)
         state = start_state(subject)
         motion = find_motion(subject, state)
         self._stop_threads()
@@ -237,8 +240,13 @@ class View(Closing):
             panels.stop_driving()
         limit_moved = state.steering_limit != self._motion.state.steering_limit
         self._state, self._motion = replace(state, pose=motion.state.pose), motion
+        if player is not None and (other := subject.other) is not None:
+            other_state = player.state(self._other_motion.state, other)
+            self._other_motion = find_motion(other, other_state, self._other_motion)
         with self._server.atomic():
             self._follow(motion)
+            if subject.other is not None:
+                self._other_bodies.show(self._other_motion)
             self._bodies.show(motion)
             if limit_moved:
                 self._bodies.set_steering_limit(state.steering_limit)

@@ -55,6 +55,10 @@ class Scene(NamedTuple):
         list[str] | None,
         typer.Option(metavar="WHEEL=M", help="Scrub of a wheel at first, without ground [m]; once each."),
     ] = None
+    beside: Annotated[
+        str | None,
+        typer.Option("--with", metavar="RECORD", help="A second record, its rover paler; both begin at 0 s."),
+    ] = None
     time: Annotated[
         float | None, typer.Option(metavar="S", help="Time in a record at first, since its first row [s].")
     ] = None
@@ -103,6 +107,7 @@ def view(
         map_reading.ground(scene.ground),
         rover=scene.rover,
         at=scene.at,
+        other=scene.beside,
         node=reading.node,
         kind=reading.kind,
         wheel_radius=reading.wheel_radius,

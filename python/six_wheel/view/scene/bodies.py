@@ -30,6 +30,7 @@ def quaternions(rotations: Floats) -> Floats:
 
 
 ROOT = "/world/rover"  # name of the node
+PALER = {"opacity": 0.35, "cast_shadow": False}  # look of a rover beside the one of the view
 
 
 class Bodies:
@@ -39,11 +40,14 @@ class Bodies:
     ----------
     motion : Motion
         Its frames place the links.
+    root : str
+        Name of the node. A rover of another name is drawn paler, without fans.
     """
 
-    def __init__(self, server: viser.ViserServer, subject: Subject, motion: Motion) -> None:
+    def __init__(self, server: viser.ViserServer, subject: Subject, motion: Motion, root: str = ROOT) -> None:
         self._scene, self._subject = server.scene, subject
-        self._root = server.scene.add_frame(ROOT, show_axes=False)
+        self._name, self._look = root, {} if root == ROOT else PALER
+        self._root = server.scene.add_frame(root, show_axes=False)
         self._frames: dict[str, Any] = {}
         self.decoration: list[Any] = []
         self.remarks: list[str] = []
@@ -59,7 +63,7 @@ class Bodies:
             if motion.frames:
                 self._add_links(motion)
             self._add_body(motion)
-        steered = [k for k, wheel in enumerate(subject.rover.wheels) if wheel.steered]
+        steered = [k for k, wheel in enumerate(subject.rover.wheels) if wheel.steered and root == ROOT]
         look = {"color": PALE, "opacity": 0.85, "cast_shadow": False, "receive_shadow": False}
         self._fans = {
             k: shapes.add_mesh(
@@ -115,8 +119,8 @@ class Bodies:
         # Large flat faces in the light of the sun would show the steps of their own shadow.
         shaded = color not in (PANEL, LID)
         return shapes.add_mesh(
-            self._scene, f"{ROOT}/{name}", mesh,
-            color=color, flat_shading=True, side="double", receive_shadow=shaded,
+            self._scene, f"{self._name}/{name}", mesh,
+            color=color, flat_shading=True, side="double", receive_shadow=shaded, **self._look,
         )  # fmt: skip
 
     def _add_links(self, motion: Motion) -> None:
