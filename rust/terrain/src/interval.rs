@@ -4,6 +4,7 @@
 
 use pulp::Simd;
 
+use crate::suspension::lanes::all;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::angle;
 
@@ -13,32 +14,26 @@ pub(super) type Interval<S> = [Lanes<S>; 2];
 /// Sine and cosine at both ends of an angle's interval.
 pub(super) type Turned<S> = [(Lanes<S>, Lanes<S>); 2];
 
-/// Evaluates an expression for both ends of an interval.
+/// An expression for the indices 0 and 1: both ends of an interval, or columns and rows.
 macro_rules! both {
-    ($end:ident in $interval:expr => $value:expr) => {{
-        let [first, second] = $interval;
+    ($k: ident, $value: expr) => {
         [
             {
-                let $end = first;
+                let $k = 0;
                 $value
             },
             {
-                let $end = second;
+                let $k = 1;
                 $value
             },
         ]
-    }};
+    };
 }
 pub(super) use both;
 
 #[inline(always)]
-pub(super) fn all<S: Simd>(simd: S, value: f64) -> Lanes<S> {
-    Lanes::splat(simd, value)
-}
-
-#[inline(always)]
 pub(super) fn sum<S: Simd>(a: Interval<S>, b: Interval<S>) -> Interval<S> {
-    [a[0] + b[0], a[1] + b[1]]
+    both!(k, a[k] + b[k])
 }
 
 #[inline(always)]

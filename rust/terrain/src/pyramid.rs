@@ -5,7 +5,7 @@
 //! rounded outwards, halves the memory. Any box is covered by four windows, or by some more if it is long.
 
 use crate::heights::Heights;
-use crate::interval::all;
+use crate::suspension::lanes::all;
 use six_wheel_kinematics::geometry::GridPlacement;
 use six_wheel_numerics::error::{Error, ErrorKind};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};

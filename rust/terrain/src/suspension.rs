@@ -161,7 +161,6 @@ impl RockerBogie {
             rocker_to_bogie: [-0.754, 0.12, -0.23],
             bogie_to_wheels: [[0.44998, 0.26491, -0.4], [-0.625, 0.14291, -0.4]],
             wheel_radius: 0.26288,
-            steered: Steered::Corners,
             ..LIKE_CURIOSITY
         })
     }
@@ -177,7 +176,6 @@ impl RockerBogie {
             rocker_to_bogie: [-0.754, 0.241, -0.2321],
             bogie_to_wheels: [[0.451, 0.349, -0.3943], [-0.623, 0.218, -0.3943]],
             wheel_radius: 0.25,
-            steered: Steered::Corners,
             ..LIKE_CURIOSITY
         })
     }
@@ -196,7 +194,6 @@ impl RockerBogie {
             bogie_to_wheels: [[0.176344, 0.019209, -0.09327], [-0.094765, 0.100435, -0.094851]],
             bogie: Bogie::InFront,
             wheel_radius: 0.075,
-            steered: Steered::Corners,
             ..LIKE_CURIOSITY
         })
     }
@@ -298,11 +295,8 @@ impl RockerBogie {
 /// The homogeneous transforms of [`RockerBogie::frames`] for every row of joint angles: frame after frame, in
 /// each row after row, row-major.
 pub fn frames(rover: &RockerBogie, joints: &[f64], transforms: &mut [f64], workers: Workers) -> Result<(), Error> {
-    let width = rover.joint_count();
-    let count = joints.len() / width;
-    let blocks = blocks::<FRAMES>(transforms, count, 16);
-    workers.rows(count, blocks, |row, matrices| {
-        let frames = rover.frames(&joints[row * width..][..width]).map_err(|error| error.at_row(row))?;
+    for_each_row::<FRAMES>(rover, joints, (transforms, 16), workers, |joints, matrices| {
+        let frames = rover.frames(joints)?;
         for (matrix, (rotation, origin)) in matrices.into_iter().zip(frames) {
             for (i, row) in matrix.chunks_exact_mut(4).enumerate() {
                 row.copy_from_slice(&match i {
@@ -319,10 +313,8 @@ pub fn frames(rover: &RockerBogie, joints: &[f64], transforms: &mut [f64], worke
 /// row, each three rows of joints. Steering turns a wheel about its centre.
 pub fn jacobians(rover: &RockerBogie, joints: &[f64], derivatives: &mut [f64], workers: Workers) -> Result<(), Error> {
     let width = rover.joint_count();
-    let count = joints.len() / width;
-    let blocks = blocks::<{ WHEELS.len() }>(derivatives, count, 3 * width);
-    workers.rows(count, blocks, |row, matrices| {
-        let placed = rover.place(&joints[row * width..][..width]).map_err(|error| error.at_row(row))?;
+    for_each_row::<{ WHEELS.len() }>(rover, joints, (derivatives, 3 * width), workers, |joints, matrices| {
+        let placed = rover.place(joints)?;
         for (wheel, matrix) in matrices.into_iter().enumerate() {
             let slopes = placed.point_slopes(wheel, placed.wheel(wheel).centre);
             matrix.fill(0.0);
@@ -334,10 +326,21 @@ pub fn jacobians(rover: &RockerBogie, joints: &[f64], derivatives: &mut [f64], w
     })
 }
 
-/// An array cut into several outputs one after another, each of `count` rows of its own width.
-fn blocks<const N: usize>(array: &mut [f64], count: usize, width: usize) -> [(&mut [f64], usize); N] {
+/// Computes `N` outputs of this width for every row of joint angles; the array holds them one after another.
+fn for_each_row<const N: usize>(
+    rover: &RockerBogie,
+    joints: &[f64],
+    (array, width): (&mut [f64], usize),
+    workers: Workers,
+    row: impl Fn(&[f64], [&mut [f64]; N]) -> Result<(), Error> + Sync,
+) -> Result<(), Error> {
+    let angles = rover.joint_count();
+    let count = joints.len() / angles;
     let mut blocks = array.chunks_exact_mut((count * width).max(1));
-    std::array::from_fn(|_| (blocks.next().unwrap_or_default(), width))
+    let blocks = std::array::from_fn(|_| (blocks.next().unwrap_or_default(), width));
+    workers.rows(count, blocks, |k, outputs| {
+        row(&joints[k * angles..][..angles], outputs).map_err(|error| error.at_row(k))
+    })
 }
 
 /// x_R [m]. The unsteered wheels are parallel: one bank, whose row is that of their mean axle. If all wheels steer, it

@@ -108,6 +108,26 @@ impl Level {
     }
 }
 
+/// Calls a function of single numbers with the instructions of [`Level::Scalar`]. It has to be `#[inline(always)]`.
+pub fn run_scalar<A, R>(function: impl FnOnce(A) -> R, arguments: A) -> R {
+    Level::Scalar.run_any(ScalarCall { function, arguments })
+}
+
+/// See [`run_scalar`].
+struct ScalarCall<F, A> {
+    function: F,
+    arguments: A,
+}
+
+impl<A, R, F: FnOnce(A) -> R> Kernel for ScalarCall<F, A> {
+    type Output = R;
+
+    #[inline(always)]
+    fn run<S: Vector>(self, _: S) -> R {
+        (self.function)(self.arguments)
+    }
+}
+
 /// Runs a kernel at the level of its caller, in a function of its own, so that a rare case takes no registers from the
 /// frequent one.
 #[cold]

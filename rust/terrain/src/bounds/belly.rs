@@ -101,30 +101,26 @@ impl Belly {
         let axes = Matrix2::from_columns(&[places[1] - places[0], places[3] - places[0]]);
         let facing_down = rotation[(2, 2)] > 0.0;
         let inverse = axes.try_inverse().filter(|_| facing_down)?;
-        let rises = [corners[1].z - corners[0].z, corners[3].z - corners[0].z];
+        let [side, end] = [corners[1] - corners[0], corners[3] - corners[0]];
         let mut least: Option<(f64, Lowest)> = None;
         let lower = |least: &Option<(f64, Lowest)>, gap: f64| least.is_none_or(|(known, _)| gap < known);
-        let bounds = |axis: usize| {
-            let values = places.map(|place| place[axis]);
-            let low = values.iter().fold(f64::INFINITY, |low, v| low.min(*v));
-            let high = values.iter().fold(f64::NEG_INFINITY, |high, v| high.max(*v));
-            (low, high)
-        };
-        let ((u0, u1), (v0, v1)) = (bounds(0), bounds(1));
+        let [mut low, mut high] = [places[0]; 2];
+        for place in &places {
+            (low, high) = (low.inf(place), high.sup(place));
+        }
         let columns = ground.shape()[1];
-        for row in v0.ceil() as usize..=v1.floor() as usize {
-            for column in u0.ceil() as usize..=u1.floor() as usize {
+        for row in low.y.ceil() as usize..=high.y.floor() as usize {
+            for column in low.x.ceil() as usize..=high.x.floor() as usize {
                 let at = inverse * (Vector2::new(column as f64, row as f64) - places[0]);
                 if at.min() < 0.0 || at.max() > 1.0 {
                     continue;
                 }
-                let plate = corners[0].z + rises[0] * at.x + rises[1] * at.y;
+                let plate = corners[0].z + side.z * at.x + end.z * at.y;
                 let height = ground.heights().at(row * columns + column);
                 if height.is_nan() {
                     return None;
                 }
                 if lower(&least, plate - height) {
-                    let [side, end] = [corners[1] - corners[0], corners[3] - corners[0]];
                     let point = corners[0] + side * at.x + end * at.y;
                     least = Some((plate - height, Lowest::Node { point }));
                 }

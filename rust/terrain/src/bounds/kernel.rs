@@ -5,9 +5,9 @@ use pulp::Simd;
 use super::boxes::Patch;
 use super::plan::{BoundStatus, BoundsConstants, COUNT, TILT};
 use super::stand::Under;
-use crate::interval::{Interval, all};
+use crate::interval::Interval;
 use crate::pyramid::{Boxes, Pyramid, nothing};
-use crate::suspension::lanes::MOST;
+use crate::suspension::lanes::{MOST, all, columns};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;
@@ -126,18 +126,7 @@ impl BoundsRange<'_> {
     fn bound_rows<S: Vector>(&mut self, simd: S, plan: &BoundsConstants, rows: &[usize]) {
         let apart = rows.len() < S::F64_LANES || rows[rows.len() - 1] - rows[0] >= S::F64_LANES;
         let pose = if apart {
-            let mut columns = [[0.0; MOST]; 3];
-            for lane in 0..S::F64_LANES {
-                let pose = self.poses[rows[lane.min(rows.len() - 1)]];
-                for (column, value) in columns.iter_mut().zip(pose) {
-                    column[lane] = value;
-                }
-            }
-            [
-                Lanes::from_slice(simd, &columns[0]),
-                Lanes::from_slice(simd, &columns[1]),
-                Lanes::from_slice(simd, &columns[2]),
-            ]
+            columns(simd, |lane| self.poses[rows[lane.min(rows.len() - 1)]])
         } else {
             let poses = &self.poses[rows[0]..][..S::F64_LANES];
             Lanes::deinterleave3(simd, poses.as_flattened())
@@ -182,9 +171,7 @@ impl BoundsRange<'_> {
             }
         }
     }
-}
 
-impl BoundsRange<'_> {
     /// Largest displacement of a point one metre from the origin over the interval of yaw, and that of all points over
     /// the range of positions [m].
     #[inline(always)]
@@ -193,13 +180,10 @@ impl BoundsRange<'_> {
         if let ([yaw], [position]) = (yaw, position) {
             return [all(simd, chord(*yaw)), all(simd, *position)];
         }
-        let mut columns = [[0.0; MOST]; 2];
-        for lane in 0..S::F64_LANES {
-            let row = rows[lane.min(rows.len() - 1)];
-            let [yaw, position] = self.margins.at(self.first + row);
-            (columns[0][lane], columns[1][lane]) = (chord(yaw), position);
-        }
-        [Lanes::from_slice(simd, &columns[0]), Lanes::from_slice(simd, &columns[1])]
+        columns(simd, |lane| {
+            let [yaw, position] = self.margins.at(self.first + rows[lane.min(rows.len() - 1)]);
+            [chord(yaw), position]
+        })
     }
 }
 
@@ -328,8 +312,7 @@ struct Seen<S: Vector> {
 impl<S: Vector> Seen<S> {
     #[inline(always)]
     fn new(simd: S, plan: &BoundsConstants, ground: Ground<'_>, place: &GridPoses<S>) -> Self {
-        let yes = all(simd, 0.0).le(all(simd, 0.0));
-        let (mut on_map, mut known) = (yes, yes);
+        let [mut on_map, mut known] = [Mask::splat(simd, true); 2];
         let mut wheels = [[[all(simd, 0.0); 2]; 3]; 2];
         let mut sum = all(simd, 0.0);
         for (side, patches) in wheels.iter_mut().zip(&plan.wheels) {
@@ -342,10 +325,8 @@ impl<S: Vector> Seen<S> {
         let middle = std::slice::from_ref(&plan.middle);
         let [floor, _] = place.extremes(ground, middle, [&mut on_map, &mut known]);
         let mean = sum * all(simd, 1.0 / 12.0);
-        for side in &mut wheels {
-            for span in side {
-                *span = [span[0] - mean, span[1] - mean];
-            }
+        for end in wheels.as_flattened_mut().as_flattened_mut() {
+            *end = *end - mean;
         }
         let under = Under { mean, summit: summit - mean, floor: floor - mean };
         Self { wheels, under, on_map, known }

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use super::belly::{Belly, Lowest};
 use super::stability::tip_over_edge;
 use crate::ground::{DIMENSIONS, Stand, by_dimension, by_pose, shift_by_dimension};
-use crate::suspension::{Chain, Dimensions, MAX_FREE, MAX_STATE, Placed};
+use crate::suspension::{Chain, Dimensions, MAX_FREE, MAX_STATE, Placed, PointSlopes};
 use crate::terrain::{Interpolation, Sample, Terrain};
 
 /// A contact nearer to a line of the grid than this is on it [columns or rows].
@@ -141,10 +141,7 @@ impl<const N: usize> SettledJacobian<'_, N> {
     fn carried(&self, wheel: usize, point: Vector3<f64>, direction: Vector3<f64>) -> [[Vector3<f64>; N]; 2] {
         let here = self.placed.point_slopes(wheel, point);
         let there = self.placed.point_slopes(wheel, point + direction);
-        let mut turns = there;
-        for (turn, slope) in turns.iter_mut().zip(here) {
-            *turn -= slope;
-        }
+        let turns: PointSlopes = std::array::from_fn(|k| there[k] - here[k]);
         let (mut moved, mut turned) = ([Vector3::zeros(); N], [Vector3::zeros(); N]);
         match self.by {
             By::Pose => {

@@ -16,9 +16,7 @@ pub fn loads(chain: &Chain, stand: &Stand, placed: &Placed<'_>, centre: [f64; 3]
     let weight = placed.origin + placed.rotation * Vector3::from(centre);
     let mut matrix = Matrix6::zeros();
     let mut right = Vector6::zeros();
-    let slopes = placed.body_slopes(weight);
-    right[0] = 1.0;
-    for (row, slope) in [(1, slopes[1]), (2, slopes[2])] {
+    for (row, slope) in placed.body_slopes(weight).iter().enumerate() {
         right[row] = slope.z;
     }
     let states = chain.state_count();

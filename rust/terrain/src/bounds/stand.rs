@@ -6,7 +6,8 @@ use pulp::Simd;
 
 use super::plan::{BoundStatus, BoundsConstants, COUNT, VisibilityBox};
 use super::side::{Lever, Side};
-use crate::interval::{Interval, Turned, all, asin, both, complement, even, inside, minus, sum, times, widest};
+use crate::interval::{Interval, Turned, asin, both, complement, even, inside, minus, sum, times, widest};
+use crate::suspension::lanes::all;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::sin_cos;
 
@@ -63,21 +64,14 @@ impl Side {
     fn raise<S: Simd>(&self, [single, ahead, behind]: [Interval<S>; 3]) -> Raised<S> {
         let by_bogie = all(single[0].simd(), self.bogie.inverse_length);
         let bogie = [(ahead[0] - behind[1]) * by_bogie, (ahead[1] - behind[0]) * by_bogie];
-        let joint = [
-            self.bogie.below(ahead[0], (ahead[0] - behind[0]) * by_bogie),
-            self.bogie.below(ahead[1], (ahead[1] - behind[1]) * by_bogie),
-        ];
-        let opposed = [self.tilt(single[0], joint[1]), self.tilt(single[1], joint[0])];
+        let joint = both!(k, self.bogie.below(ahead[k], (ahead[k] - behind[k]) * by_bogie));
+        let opposed = both!(k, self.tilt(single[k], joint[1 - k]));
         let rocker = if self.in_front { [opposed[1], opposed[0]] } else { opposed };
-        let axis = [
-            self.rocker.below(single[0], self.tilt(single[0], joint[0])),
-            self.rocker.below(single[1], self.tilt(single[1], joint[1])),
-        ];
         Raised {
-            axis,
+            axis: both!(k, self.rocker.below(single[k], self.tilt(single[k], joint[k]))),
             bogie,
             rocker,
-            turned: [self.bogie.below(ahead[1], bogie[1]), self.bogie.below(ahead[0], bogie[0])],
+            turned: both!(k, self.bogie.below(ahead[1 - k], bogie[1 - k])),
             solvable: inside(bogie, self.bogie.range) & inside(rocker, self.rocker.range),
         }
     }
@@ -86,20 +80,14 @@ impl Side {
     fn angles<S: Simd>(&self, raised: &Raised<S>, single: Interval<S>) -> [Interval<S>; 2] {
         let simd = single[0].simd();
         let (phi_bogie, phi_rocker) = (all(simd, self.bogie.phi), all(simd, self.rocker.phi));
-        let rocker = [phi_rocker - asin(raised.rocker[1]), phi_rocker - asin(raised.rocker[0])];
-        let bogie = [phi_bogie - asin(raised.bogie[1]), phi_bogie - asin(raised.bogie[0])];
+        let rocker = both!(k, phi_rocker - asin(raised.rocker[1 - k]));
+        let bogie = both!(k, phi_bogie - asin(raised.bogie[1 - k]));
         if !self.coupled {
-            return [rocker, [bogie[0] - rocker[1], bogie[1] - rocker[0]]];
+            return [rocker, both!(k, bogie[k] - rocker[1 - k])];
         }
         // Least at the least angle of the bogie and the largest angle of the rocker by its wheel.
         let wheel = if self.in_front { [single[1], single[0]] } else { single };
-        [
-            rocker,
-            [
-                bogie[0] - (phi_rocker - asin(self.tilt(wheel[0], raised.turned[0]))),
-                bogie[1] - (phi_rocker - asin(self.tilt(wheel[1], raised.turned[1]))),
-            ],
-        ]
+        [rocker, both!(k, bogie[k] - (phi_rocker - asin(self.tilt(wheel[k], raised.turned[k]))))]
     }
 }
 
@@ -118,7 +106,7 @@ impl BoundsConstants {
         for (reduced, &pair) in reduced.iter_mut().zip(&self.roles) {
             let scaled = times(wheels[pair], inverse_cos);
             let (offset, radius) = (all(simd, self.offsets[pair]), all(simd, self.radius));
-            *reduced = [rise[0].mul_add(offset, scaled[0] + radius), rise[1].mul_add(offset, scaled[1] + radius)];
+            *reduced = both!(k, rise[k].mul_add(offset, scaled[k] + radius));
         }
         reduced
     }
@@ -126,7 +114,7 @@ impl BoundsConstants {
     /// Both sides at inclinations in an interval.
     fn sides<S: Simd>(&self, wheels: &[[Interval<S>; 3]; 2], tan: Interval<S>) -> [[Interval<S>; 3]; 2] {
         let one = all(tan[0].simd(), 1.0);
-        let inverse_cos = even(tan, both!(end in tan => end.mul_add(end, one).sqrt()), one);
+        let inverse_cos = even(tan, both!(k, tan[k].mul_add(tan[k], one).sqrt()), one);
         [self.reduced(&wheels[0], minus(tan), inverse_cos), self.reduced(&wheels[1], tan, inverse_cos)]
     }
 
@@ -149,7 +137,7 @@ impl BoundsConstants {
             // If no inclination of up to 30 degrees has these heights, a steeper one may have them.
             proved = proved & (held | !solvable);
             let take = solvable & held;
-            tan = [take.select(narrower[0], tan[0]), take.select(narrower[1], tan[1])];
+            tan = both!(k, take.select(narrower[k], tan[k]));
         }
         (tan, proved)
     }
@@ -169,23 +157,22 @@ impl BoundsConstants {
         let [left, bogie_left] = self.side.angles(&raised_left, left[0]);
         let [right, bogie_right] = self.side.angles(&raised_right, right[0]);
 
-        let inverse = both!(end in tan => one / end.mul_add(end, one).sqrt());
-        let sin_side = [tan[0] * inverse[0], tan[1] * inverse[1]];
+        let inverse = both!(k, one / tan[k].mul_add(tan[k], one).sqrt());
+        let sin_side = both!(k, tan[k] * inverse[k]);
         let slack = all(simd, self.slack);
         let lean = [(left[0] + right[0]) * half - slack, (left[1] + right[1]) * half + slack];
         let rocker = [(left[0] - right[1]) * half - slack, (left[1] - right[0]) * half + slack];
-        let ends = both!(end in lean => sin_cos(simd, end));
+        let (axes, ends) = (sum(raised_left.axis, raised_right.axis), both!(k, sin_cos(simd, lean[k])));
         let posture = Posture {
-            axis: both!(end in sum(raised_left.axis, raised_right.axis) => end * half),
-            sin_lean: [ends[0].0, ends[1].0],
-            cos_lean: even(lean, [ends[0].1, ends[1].1], one),
+            axis: both!(k, axes[k] * half),
+            sin_lean: both!(k, ends[k].0),
+            cos_lean: even(lean, both!(k, ends[k].1), one),
             cos_side: even(tan, inverse, one),
         };
         let (sin_pitch, sin_roll, tilt) = posture.attitude(simd, sin_side);
-        let z = both!(end in self.point(&posture, 0.0, 0.0) => end + under.mean);
+        let z = sum(self.point(&posture, 0.0, 0.0), [under.mean; 2]);
         let clearance = self.clearance(&posture, widest(sin_side), under);
-        let roll = both!(sin in sin_roll => asin(sin));
-        let pitch = both!(sin in sin_pitch => asin(sin));
+        let (roll, pitch) = (both!(k, asin(sin_roll[k])), both!(k, asin(sin_pitch[k])));
         let turned = self.turned(rocker, [bogie_left, bogie_right]);
         let drop = self.drop(&turned);
         let angle = [-self.within.attitude, self.within.attitude];
@@ -210,8 +197,8 @@ impl BoundsConstants {
         let simd = posture.axis[0].simd();
         // From the axis of the rockers.
         let (behind, below) = (all(simd, self.pivot[0] - x), all(simd, self.pivot[2] - z));
-        let swings = both!(sin in posture.sin_lean => sin * behind);
-        let drops = both!(cos in posture.cos_lean => cos * below);
+        let swings = both!(k, posture.sin_lean[k] * behind);
+        let drops = both!(k, posture.cos_lean[k] * below);
         let height = [
             posture.axis[0] + swings[0].min(swings[1]) - drops[0].max(drops[1]),
             posture.axis[1] + swings[0].max(swings[1]) - drops[0].min(drops[1]),
@@ -235,14 +222,14 @@ impl BoundsConstants {
     fn turned<S: Simd>(&self, rocker: Interval<S>, bogies: [Interval<S>; 2]) -> [[Turned<S>; 2]; 2] {
         let simd = rocker[0].simd();
         let slack = all(simd, 2.0 * self.slack);
-        let left = both!(end in rocker => sin_cos(simd, end));
+        let left = both!(k, sin_cos(simd, rocker[k]));
         // With a differential bar the right rocker does not turn back by exactly the angle of the left one: `slack`, which
         // matters for the bogie it carries only.
         let right = [(-left[1].0, left[1].1), (-left[0].0, left[0].1)];
         let loose = [-slack, slack];
         let on_left = sum(sum(rocker, bogies[0]), loose);
         let on_right = sum(sum(minus(rocker), bogies[1]), loose);
-        [[left, both!(end in on_left => sin_cos(simd, end))], [right, both!(end in on_right => sin_cos(simd, end))]]
+        [[left, both!(k, sin_cos(simd, on_left[k]))], [right, both!(k, sin_cos(simd, on_right[k]))]]
     }
 
     /// Decrease of the height of the end of a vector of `vectors` from the level position [m].
@@ -250,7 +237,7 @@ impl BoundsConstants {
         let simd = ends[0].0.simd();
         let [x, _, z] = self.vectors[k];
         let (x, z, sag) = (all(simd, x), all(simd, z), all(simd, self.sag[k]));
-        let falls = both!(end in *ends => z - (z * end.1 - x * end.0));
+        let falls = both!(k, z - (z * ends[k].1 - x * ends[k].0));
         [falls[0].min(falls[1]) - sag, falls[0].max(falls[1]) + sag]
     }
 
@@ -334,14 +321,12 @@ impl<S: Simd> Posture<S> {
     fn attitude(&self, simd: S, sin_side: Interval<S>) -> (Interval<S>, Interval<S>, Interval<S>) {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let sin_pitch = times(self.sin_lean, self.cos_side);
-        let secants = both!(sin in sin_pitch => one / complement(sin).max(all(simd, 0.03)));
+        let secants = both!(k, one / complement(sin_pitch[k]).max(all(simd, 0.03)));
         let sin_roll = times(sin_side, even(sin_pitch, secants, one));
-        let (a, b) = (
-            even(sin_side, both!(sin in sin_side => sin * sin), zero),
-            even(self.sin_lean, both!(sin in self.sin_lean => sin * sin), zero),
-        );
+        let a = even(sin_side, both!(k, sin_side[k] * sin_side[k]), zero);
+        let b = even(self.sin_lean, both!(k, self.sin_lean[k] * self.sin_lean[k]), zero);
         // 1 - cos(tilt)^2, cos(tilt) = cos(g) cos(lean).
-        let tilt = [asin((one - a[0]).mul_add(b[0], a[0]).sqrt()), asin((one - a[1]).mul_add(b[1], a[1]).sqrt())];
+        let tilt = both!(k, asin((one - a[k]).mul_add(b[k], a[k]).sqrt()));
         (sin_pitch, sin_roll, tilt)
     }
 }

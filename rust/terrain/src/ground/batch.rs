@@ -161,10 +161,7 @@ pub(crate) fn initial_state<S: Vector>(simd: S, site: &Site<'_>, here: &mut Stat
             let corner = [u.floor(), v.floor()];
             let cell = cells(simd, site.ground, corner[0], corner[1]);
             let (a, b) = (u - corner[0], v - corner[1]);
-            let height = cell.h00
-                + cell.along * a
-                + (cell.across + cell.twist * a) * b
-                + Lanes::splat(simd, site.chain.wheels()[wheel].radius);
+            let height = cell.height(a, b) + Lanes::splat(simd, site.chain.wheels()[wheel].radius);
             let missing = height - (here.state[0] + centre[2]);
             let is_known = missing.abs().lt(Lanes::splat(simd, FAR));
             sum = is_known.select(sum + missing, sum);

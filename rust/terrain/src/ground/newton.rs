@@ -10,14 +10,15 @@ use super::batch::initial_state;
 use super::pivots::{PivotOrder, Rows, SMALLEST_PIVOT, solve};
 use super::poses::PoseOnGrid;
 use super::rims::circles::WheelCircle;
-use super::rims::contact::{RimContact, RimSegment, find_contacts};
+use super::rims::contact::{Minimum, RimContact, RimSegment, find_contacts};
 use super::scan::{RimScan, Site, StateLanes, WheelGap};
 use super::settler::{Settler, Status};
 use super::stand::Contact;
+use crate::suspension::lanes::all;
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
 use crate::terrain::Terrain;
 use six_wheel_numerics::simd::lanes::Lanes;
-use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::level::{Kernel, Level, run_scalar};
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Largest change of any angle in one step [rad].
@@ -131,27 +132,28 @@ impl<'a> OnePose<'a> {
     /// A state to start from: see [`initial_state`].
     pub fn initial_state(&self, state: State, hold: &ActiveSet) -> State {
         let order = &PivotOrder::new(self.chain, hold);
-        self.level.run_any(Start { pose: self, state: hold.held(state), order })
+        run_scalar(start, (self, hold.held(state), order))
     }
 
     #[inline(always)]
-    fn lanes<S: Vector>(&self, simd: S, state: &State) -> StateLanes<S> {
-        let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    fn lanes(&self, state: &State) -> StateLanes<Scalar> {
+        let PoseOnGrid { origin: [x, y], heading } = self.on_grid;
+        let (zero, unit) = (all(Scalar, 0.0), all(Scalar, 1.0));
         let mut lanes = StateLanes {
-            origin: [Lanes::splat(simd, self.on_grid.origin[0]), Lanes::splat(simd, self.on_grid.origin[1])],
-            yaw: (Lanes::splat(simd, self.on_grid.heading.sin), Lanes::splat(simd, self.on_grid.heading.cos)),
+            origin: [all(Scalar, x), all(Scalar, y)],
+            yaw: (all(Scalar, heading.sin), all(Scalar, heading.cos)),
             state: [zero; MAX_STATE],
             steering: None,
             contacts: [[zero, unit]; MAX_WHEELS],
         };
         for (number, value) in lanes.state.iter_mut().zip(state) {
-            *number = Lanes::splat(simd, *value);
+            *number = all(Scalar, *value);
         }
         if !self.steering.is_empty() {
             let mut steering = [(zero, unit); MAX_WHEELS];
             for (turned, angle) in steering.iter_mut().zip(self.steering) {
                 let (sin, cos) = angle.sin_cos();
-                *turned = (Lanes::splat(simd, sin), Lanes::splat(simd, cos));
+                *turned = (all(Scalar, sin), all(Scalar, cos));
             }
             lanes.steering = Some(steering);
         }
@@ -235,22 +237,12 @@ impl Evaluation {
 }
 
 /// See [`OnePose::initial_state`].
-struct Start<'a> {
-    pose: &'a OnePose<'a>,
-    state: State,
-    order: &'a PivotOrder,
-}
-
-impl Kernel for Start<'_> {
-    type Output = State;
-
-    #[inline(always)]
-    fn run<W: Vector>(self, _: W) -> State {
-        let OnePose { chain, ground, .. } = *self.pose;
-        let mut here = self.pose.lanes(Scalar, &self.state);
-        initial_state(Scalar, &Site { chain, ground, order: self.order }, &mut here);
-        numbers(&here.state)
-    }
+#[inline(always)]
+fn start((pose, state, order): (&OnePose<'_>, State, &PivotOrder)) -> State {
+    let OnePose { chain, ground, .. } = *pose;
+    let mut here = pose.lanes(&state);
+    initial_state(Scalar, &Site { chain, ground, order }, &mut here);
+    numbers(&here.state)
 }
 
 /// See [`OnePose::evaluate`].
@@ -268,7 +260,7 @@ impl Kernel for Evaluate<'_> {
     fn run<W: Vector>(self, wide: W) -> Option<Evaluation> {
         let OnePose { chain, ground, over: [share, datum], .. } = *self.pose;
         let site = &Site { chain, ground, order: self.order };
-        let here = self.pose.lanes(Scalar, &self.state);
+        let here = self.pose.lanes(&self.state);
         let (poses, per_metre) = (here.poses(Scalar, chain), site.per_metre(Scalar));
         if !poses.links.reaches.any() {
             return None;
@@ -288,24 +280,20 @@ impl Kernel for Evaluate<'_> {
         for (wheel, rim) in found.iter().enumerate().take(chain.wheels().len().min(MAX_WHEELS)) {
             scan.add(Scalar, site, &poses, wheel, &poses.wheel(Scalar, wheel), per_metre, wheel_gap(rim, share));
         }
+        let height = |wheel: usize| {
+            let WheelCircle { centre, forward, up } = real[wheel];
+            let lowest = |least: Minimum| centre[2] + (forward[2] * least.at.sin - up[2] * least.at.cos);
+            found[wheel].least.map_or(f64::NAN, lowest)
+        };
         let mut evaluation = Evaluation {
             state: self.state,
             worst: if scan.touches.any() { scan.worst.last(Scalar) } else { f64::INFINITY },
             step: None,
-            gaps: [f64::NAN; MAX_WHEELS],
-            slopes: [[0.0; MAX_STATE]; MAX_WHEELS],
-            heights: [f64::NAN; MAX_WHEELS],
-            rims: [RimContact::NOTHING; MAX_WHEELS],
+            gaps: scan.found.map(|wheel| wheel.gap.last(Scalar)),
+            slopes: scan.rows.map(|(slopes, _)| numbers(&slopes)),
+            heights: std::array::from_fn(height),
+            rims: std::array::from_fn(|wheel| found[wheel]),
         };
-        evaluation.rims.copy_from_slice(&found[..MAX_WHEELS]);
-        for wheel in 0..MAX_WHEELS {
-            evaluation.gaps[wheel] = scan.found[wheel].gap.last(Scalar);
-            evaluation.slopes[wheel] = numbers(&scan.rows[wheel].0);
-            if let Some(least) = found[wheel].least {
-                let WheelCircle { centre, forward, up } = real[wheel];
-                evaluation.heights[wheel] = centre[2] + (forward[2] * least.at.sin - up[2] * least.at.cos);
-            }
-        }
         if evaluation.worst.is_finite() && self.order.is_square {
             evaluation.step = newton_step(self.order, &mut scan.rows);
         }
@@ -336,15 +324,11 @@ fn wheel_gap(rim: &RimContact, share: f64) -> WheelGap<Scalar> {
         (gap, at) = (least.gap * share, [least.at.sin, least.at.cos]);
         slope = [least.slope[0] * share, least.slope[1] * share];
     }
-    let all = |value: f64| Lanes::splat(Scalar, value);
-    WheelGap { gap: all(gap), at: [all(at[0]), all(at[1])], slope: [all(slope[0]), all(slope[1])], clear: all(0.0) }
+    let one = |value: f64| all(Scalar, value);
+    WheelGap { gap: one(gap), at: at.map(one), slope: slope.map(one), clear: one(0.0) }
 }
 
 #[inline(always)]
 fn numbers(lanes: &[Lanes<Scalar>; MAX_STATE]) -> State {
-    let mut numbers = [0.0; MAX_STATE];
-    for (number, lane) in numbers.iter_mut().zip(lanes) {
-        *number = lane.last(Scalar);
-    }
-    numbers
+    lanes.map(|lane| lane.last(Scalar))
 }

@@ -84,13 +84,7 @@ impl Settler<'_> {
         let mut stops = [0; MAX_FREE];
         for (k, joint) in self.chain.joints().iter().enumerate() {
             let angle = state[3 + k];
-            stops[k] = if angle > joint.range.upper + AT_STOP {
-                1
-            } else if angle < joint.range.lower - AT_STOP {
-                -1
-            } else {
-                0
-            };
+            stops[k] = i8::from(angle > joint.range.upper + AT_STOP) - i8::from(angle < joint.range.lower - AT_STOP);
         }
         stops
     }

@@ -9,7 +9,7 @@ mod link;
 pub use self::link::{Hinge, LinkPose, LinkVelocity, MatrixPose, PlanarLink, slopes_about};
 use super::chain::{Chain, ChainLink, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Turning};
 use super::dimensions::Differential;
-use super::lanes::{Column, Turned, Vectors, cross, dot, splat, sum, turn_about};
+use super::lanes::{Column, Turned, Vectors, columns, cross, dot, splat, sum, turn_about};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::direction;
 use six_wheel_numerics::simd::vector::Vector;
@@ -17,11 +17,11 @@ use six_wheel_numerics::simd::vector::Vector;
 /// Angles of the joints of a chain.
 pub struct JointAngles<'a, S: Vector> {
     /// The free angles [rad].
-    angles: [Lanes<S>; MAX_FREE],
+    pub(super) angles: [Lanes<S>; MAX_FREE],
     /// Sines and cosines of the free angles.
-    free: [Turned<S>; MAX_FREE],
+    pub(super) free: [Turned<S>; MAX_FREE],
     /// Sines and cosines of the steering angles; None if all are 0: knuckles are then left out.
-    steering: Option<&'a [Turned<S>; MAX_WHEELS]>,
+    pub(super) steering: Option<&'a [Turned<S>; MAX_WHEELS]>,
 }
 
 #[inline_always]
@@ -38,15 +38,6 @@ impl<'a, S: Vector> JointAngles<'a, S> {
             *turned = direction(simd, angle);
         }
         Self { angles, free, steering }
-    }
-
-    /// From given sines and cosines.
-    pub(super) fn from_directions(
-        angles: [Lanes<S>; MAX_FREE],
-        free: [Turned<S>; MAX_FREE],
-        steering: &'a [Turned<S>; MAX_WHEELS],
-    ) -> Self {
-        Self { angles, free, steering: Some(steering) }
     }
 
     /// The joint of a link.
@@ -75,17 +66,13 @@ fn across<S: Vector>(simd: S, differential: Differential, left: Lanes<S>, turned
     if differential == Differential::Gear {
         return ((-turned.0, turned.1), Lanes::splat(simd, -1.0));
     }
-    let mut columns = [Column::of(left); 3];
-    for lane in 0..S::F64_LANES {
-        let reached = differential.right(columns[0].0[lane]);
-        let [angle, slope] = reached.unwrap_or([f64::NAN; 2]);
+    let left = Column::of(left).0;
+    let [sin, cos, slope] = columns(simd, |lane| {
+        let [angle, slope] = differential.right(left[lane]).unwrap_or([f64::NAN; 2]);
         let (sin, cos) = angle.sin_cos();
-        for (column, value) in columns.iter_mut().zip([sin, cos, slope]) {
-            column.0[lane] = value;
-        }
-    }
-    let turned = (columns[0].load(simd), columns[1].load(simd));
-    (turned, columns[2].load(simd))
+        [sin, cos, slope]
+    });
+    ((sin, cos), slope)
 }
 
 /// A wheel: its centre from the origin of the body [m], forward and upward axis.

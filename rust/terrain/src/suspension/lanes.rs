@@ -36,6 +36,22 @@ impl Column {
     }
 }
 
+/// A row of numbers for every lane: their columns.
+#[inline(always)]
+pub fn columns<S: Simd, const N: usize>(simd: S, row: impl Fn(usize) -> [f64; N]) -> [Lanes<S>; N] {
+    let mut columns = [Column::ZERO; N];
+    for lane in 0..S::F64_LANES {
+        for (column, value) in columns.iter_mut().zip(row(lane)) {
+            column.0[lane % MOST] = value;
+        }
+    }
+    let mut lanes = [all(simd, 0.0); N];
+    for (lanes, column) in lanes.iter_mut().zip(&columns) {
+        *lanes = column.load(simd);
+    }
+    lanes
+}
+
 /// Largest angle of poses in lanes [rad]: about a hundred turns. Poses with larger ones are computed one at a time.
 pub const LARGEST_TURN: f64 = 600.0;
 

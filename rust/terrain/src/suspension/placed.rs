@@ -1,37 +1,31 @@
 //! A chain in the world, at one pose: frames of its parts and wheels, and derivatives of their points.
 
 use nalgebra::{Matrix3, Vector3};
+use pulp::Scalar;
 
 use super::chain::{Chain, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, PlanPose, State, Turning};
 use super::kinematics::{JointAngles, MatrixPose, WorldPoses};
-use super::lanes::{Turned, Vectors};
+use super::lanes::{Turned, Vectors, all};
 use six_wheel_kinematics::geometry::Direction;
-use six_wheel_numerics::simd::lanes::Lanes;
-use six_wheel_numerics::simd::level::{Kernel, Level};
-use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::simd::level::run_scalar;
 
 impl Chain {
     /// The chain at a pose, a state and steering angles (0 if there are none). None where a differential has no
     /// solution.
     #[inline]
     pub fn place(&self, pose: PlanPose, state: &State, steering: &[f64]) -> Option<Placed<'_>> {
-        let mut placed = self.unplaced();
-        placed.put(pose, state, steering).map(|()| placed)
-    }
-
-    /// Memory for the chain in the world, before [`Placed::put`].
-    pub fn unplaced(&self) -> Placed<'_> {
-        Placed {
+        let part = PlacedPart { rotation: Matrix3::identity(), origin: Vector3::zeros(), axis: Vector3::zeros() };
+        let mut placed = Placed {
             chain: self,
-            pose: PlanPose { x: 0.0, y: 0.0, yaw: 0.0 },
-            state: [0.0; MAX_STATE],
-            origin: Vector3::zeros(),
-            rotation: Matrix3::identity(),
-            roll_axis: Vector3::zeros(),
-            pitch_axis: Vector3::zeros(),
-            parts: [PlacedPart { rotation: Matrix3::identity(), origin: Vector3::zeros(), axis: Vector3::zeros() };
-                MAX_PARTS],
-        }
+            pose,
+            state: *state,
+            origin: part.origin,
+            rotation: part.rotation,
+            roll_axis: part.axis,
+            pitch_axis: part.axis,
+            parts: [part; MAX_PARTS],
+        };
+        placed.put(pose, state, steering).map(|()| placed)
     }
 }
 
@@ -96,8 +90,7 @@ impl Placed<'_> {
     pub fn put(&mut self, pose: PlanPose, state: &State, steering: &[f64]) -> Option<()> {
         (self.pose, self.state) = (pose, *state);
         self.origin = Vector3::new(pose.x, pose.y, state[0]);
-        let angles = Angles { yaw: pose.yaw, state, steering };
-        Level::Scalar.run_any(Put { placed: self, angles })
+        run_scalar(place_links, (self, steering))
     }
 
     /// Sets the steering angles and the free angles, with the body at its pose. None where a differential has no
@@ -179,84 +172,45 @@ impl Placed<'_> {
     }
 }
 
-/// The angles of a pose [rad]; missing steering angles are 0.
-struct Angles<'a> {
-    yaw: f64,
-    state: &'a State,
-    steering: &'a [f64],
-}
-
 /// Sine and cosine of an angle [rad] of any size.
 #[inline(always)]
-fn turned<S: Vector>(simd: S, angle: f64) -> Turned<S> {
+fn turned(angle: f64) -> Turned<Scalar> {
     let (sin, cos) = if angle == 0.0 { (0.0, 1.0) } else { angle.sin_cos() };
-    (Lanes::splat(simd, sin), Lanes::splat(simd, cos))
+    (all(Scalar, sin), all(Scalar, cos))
 }
 
-#[inline_always]
-impl Angles<'_> {
-    fn steering<S: Vector>(&self, simd: S) -> [Turned<S>; MAX_WHEELS] {
-        let mut steering = [turned(simd, 0.0); MAX_WHEELS];
-        for (to, angle) in steering.iter_mut().zip(self.steering) {
-            *to = turned(simd, *angle);
-        }
-        steering
-    }
-
-    fn of_joints<'a, S: Vector>(&self, simd: S, steering: &'a [Turned<S>; MAX_WHEELS]) -> JointAngles<'a, S> {
-        let mut angles = [Lanes::splat(simd, 0.0); MAX_FREE];
-        let mut free = [turned(simd, 0.0); MAX_FREE];
-        for (k, angle) in self.state[3..].iter().enumerate() {
-            angles[k] = Lanes::splat(simd, *angle);
-            free[k] = turned(simd, *angle);
-        }
-        JointAngles::from_directions(angles, free, steering)
-    }
-}
-
-/// A vector of one lane.
 #[inline(always)]
-fn vector<S: Vector>(simd: S, lanes: Vectors<S>) -> Vector3<f64> {
-    Vector3::new(lanes[0].last(simd), lanes[1].last(simd), lanes[2].last(simd))
+fn vector([x, y, z]: Vectors<Scalar>) -> Vector3<f64> {
+    Vector3::new(x.last(Scalar), y.last(Scalar), z.last(Scalar))
 }
 
-/// A rotation of one lane.
 #[inline(always)]
-fn matrix<S: Vector>(simd: S, columns: &[Vectors<S>; 3]) -> Matrix3<f64> {
-    Matrix3::from_columns(&[vector(simd, columns[0]), vector(simd, columns[1]), vector(simd, columns[2])])
+fn matrix([x, y, z]: [Vectors<Scalar>; 3]) -> Matrix3<f64> {
+    Matrix3::from_columns(&[vector(x), vector(y), vector(z)])
 }
 
-impl PlacedPart {
-    /// A part at a pose from the origin of the body.
-    #[inline(always)]
-    fn new<S: Vector>(simd: S, pose: &MatrixPose<S>, origin: Vector3<f64>) -> Self {
-        let rotation = matrix(simd, &pose.columns);
-        Self { rotation, origin: origin + vector(simd, pose.origin), axis: vector(simd, pose.axis) }
+/// Places the links of a chain whose body is at its pose; missing steering angles are 0.
+#[inline(always)]
+fn place_links((placed, steering): (&mut Placed<'_>, &[f64])) -> Option<()> {
+    let [_, roll, pitch, joints @ ..] = placed.state;
+    let mut steered = [turned(0.0); MAX_WHEELS];
+    for (to, angle) in steered.iter_mut().zip(steering) {
+        *to = turned(*angle);
     }
-}
-
-/// See [`Placed::put`].
-struct Put<'a, 'b> {
-    placed: &'a mut Placed<'b>,
-    angles: Angles<'a>,
-}
-
-impl Kernel for Put<'_, '_> {
-    type Output = Option<()>;
-
-    #[inline(always)]
-    fn run<S: Vector>(self, simd: S) -> Option<()> {
-        let Self { placed, angles } = self;
-        let steering = angles.steering(simd);
-        let [_, roll, pitch, ..] = *angles.state;
-        let attitude = [turned(simd, angles.yaw), turned(simd, pitch), turned(simd, roll)];
-        let poses = WorldPoses::new(simd, placed.chain, attitude, &angles.of_joints(simd, &steering));
-        placed.rotation = matrix(simd, &poses.links.body.columns);
-        placed.roll_axis = vector(simd, poses.roll_axis);
-        placed.pitch_axis = vector(simd, poses.pitch_axis);
-        for k in 0..placed.chain.parts().len() {
-            placed.parts[k] = PlacedPart::new(simd, &poses.links.links[k], placed.origin);
-        }
-        poses.links.reaches.any().then_some(())
+    let mut angles =
+        JointAngles { angles: [all(Scalar, 0.0); MAX_FREE], free: [turned(0.0); MAX_FREE], steering: Some(&steered) };
+    for (k, angle) in joints.into_iter().enumerate() {
+        (angles.angles[k], angles.free[k]) = (all(Scalar, angle), turned(angle));
     }
+    let attitude = [turned(placed.pose.yaw), turned(pitch), turned(roll)];
+    let poses = WorldPoses::new(Scalar, placed.chain, attitude, &angles);
+    placed.rotation = matrix(poses.links.body.columns);
+    placed.roll_axis = vector(poses.roll_axis);
+    placed.pitch_axis = vector(poses.pitch_axis);
+    for k in 0..placed.chain.parts().len() {
+        let MatrixPose { columns, origin, axis } = poses.links.links[k];
+        placed.parts[k] =
+            PlacedPart { rotation: matrix(columns), origin: placed.origin + vector(origin), axis: vector(axis) };
+    }
+    poses.links.reaches.any().then_some(())
 }

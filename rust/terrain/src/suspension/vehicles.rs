@@ -86,11 +86,9 @@ impl Chain {
         positive("wheel_radius", of.wheel_radius)?;
         of.steering.check()?;
         of.bogie_limit.check("bogie_limit")?;
-        let side_vectors = [of.bogie_pivot, of.bogie_to_front, of.bogie_to_middle];
-        for ([_, y, _], argument) in side_vectors.into_iter().zip(["bogie_pivot", "bogie_to_front", "bogie_to_middle"])
-        {
-            finite(argument, &[y])?;
-        }
+        finite("bogie_pivot", &of.bogie_pivot[1..2])?;
+        finite("bogie_to_front", &of.bogie_to_front[1..2])?;
+        finite("bogie_to_middle", &of.bogie_to_middle[1..2])?;
         let part = |name: &'static str, origin, axis, joint| ChainLink {
             name: name.into(),
             parent: None,

@@ -1,26 +1,30 @@
 //! A cell of a grid of heights.
 
+use std::ops::{Add, Mul};
+
 /// A cell with bilinear heights: `height = h00 + along a + across b + twist a b`, with a and b from 0 to 1 along
 /// columns and rows.
 #[derive(Clone, Copy, Debug)]
-pub struct Cell {
+pub struct Cell<T = f64> {
     /// Height of the corner with the lowest column and row [m].
-    pub h00: f64,
+    pub h00: T,
     /// Rise along the columns at that corner, over the whole cell [m].
-    pub along: f64,
+    pub along: T,
     /// Rise along the rows at that corner, over the whole cell [m].
-    pub across: f64,
+    pub across: T,
     /// Height of the opposite corner above the sum of both rises [m].
-    pub twist: f64,
+    pub twist: T,
+}
+
+impl<T: Copy + Add<Output = T> + Mul<Output = T>> Cell<T> {
+    /// Height at the fractions `a` of a column and `b` of a row [m].
+    #[inline(always)]
+    pub fn height(&self, a: T, b: T) -> T {
+        self.h00 + self.along * a + (self.across + self.twist * a) * b
+    }
 }
 
 impl Cell {
-    /// Height at the fractions `a` of a column and `b` of a row [m].
-    #[inline]
-    pub fn height(&self, a: f64, b: f64) -> f64 {
-        self.h00 + self.along * a + (self.across + self.twist * a) * b
-    }
-
     /// Derivatives by `a` and `b` [m].
     #[inline]
     pub fn slope(&self, a: f64, b: f64) -> [f64; 2] {

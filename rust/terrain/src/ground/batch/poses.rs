@@ -6,7 +6,7 @@ use crate::ground::rims::circles::{FAR, RIMS, spread};
 use crate::ground::rims::extent::Extent;
 use crate::ground::settler::Settler;
 use crate::ground::stand::Stand;
-use crate::suspension::{MAX_STATE, MAX_WHEELS, PlanPose, State};
+use crate::suspension::{MAX_WHEELS, PlanPose, State};
 use crate::terrain::Terrain;
 use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::simd::lanes::Lanes;
@@ -54,10 +54,8 @@ impl SolveState {
 pub(super) mod column {
     use crate::suspension::{MAX_STATE, MAX_WHEELS};
 
-    pub const X: usize = 0;
-    pub const Y: usize = 1;
-    pub const SIN: usize = 2;
-    pub const COS: usize = 3;
+    /// x, y, sine and cosine of the heading.
+    pub const POSE: usize = 0;
     /// Largest gap of the last round [m].
     pub const WORST: usize = 4;
     /// Damping factor of the last step.
@@ -103,14 +101,22 @@ pub(super) struct SettleRange<'a, 'b> {
     pub left: &'a mut Vec<Left>,
 }
 
-/// The numbers of these rows of a column, one in every lane.
+/// The numbers of these rows of the first columns, one in every lane.
 #[inline(always)]
-pub(super) fn gather<S: Vector, const N: usize>(simd: S, column: &[f64; N], rows: &[u16]) -> Lanes<S> {
-    let mut values = [0.0; RIMS];
-    for lane in 0..S::F64_LANES {
-        values[lane] = column[rows[lane.min(rows.len() - 1)] as usize % N];
+pub(super) fn gather<S: Vector, const N: usize, const COUNT: usize>(
+    simd: S,
+    columns: &[[f64; N]],
+    rows: &[u16],
+) -> [Lanes<S>; COUNT] {
+    let mut lanes = [Lanes::splat(simd, 0.0); COUNT];
+    for (lanes, column) in lanes.iter_mut().zip(columns) {
+        let mut values = [0.0; RIMS];
+        for lane in 0..S::F64_LANES {
+            values[lane] = column[rows[lane.min(rows.len() - 1)] as usize % N];
+        }
+        *lanes = Lanes::from_slice(simd, &values);
     }
-    Lanes::from_slice(simd, &values)
+    lanes
 }
 
 /// Writes the number of every lane to these rows of a column.
@@ -176,29 +182,22 @@ impl SettleRange<'_, '_> {
     pub(super) fn here<S: Vector, const N: usize>(&self, simd: S, batch: &PoseBatch<N>, rows: &[u16]) -> StateLanes<S> {
         let columns = &batch.columns;
         let zero = Lanes::splat(simd, 0.0);
+        let [x, y, sin, cos] = gather(simd, &columns[column::POSE..], rows);
         let mut here = StateLanes {
-            origin: [gather(simd, &columns[column::X], rows), gather(simd, &columns[column::Y], rows)],
-            yaw: (gather(simd, &columns[column::SIN], rows), gather(simd, &columns[column::COS], rows)),
-            state: [zero; MAX_STATE],
+            origin: [x, y],
+            yaw: (sin, cos),
+            state: gather(simd, &columns[column::STATE..], rows),
             steering: None,
             contacts: [[zero; 2]; MAX_WHEELS],
         };
         for (k, contact) in here.contacts.iter_mut().enumerate() {
-            *contact = [
-                gather(simd, &columns[column::CONTACT + 2 * k], rows),
-                gather(simd, &columns[column::CONTACT + 2 * k + 1], rows),
-            ];
-        }
-        for (k, number) in here.state.iter_mut().enumerate() {
-            *number = gather(simd, &columns[column::STATE + k], rows);
+            *contact = gather(simd, &columns[column::CONTACT + 2 * k..], rows);
         }
         if self.steered {
             let mut steering = [(zero, zero); MAX_WHEELS];
             for (k, turned) in steering.iter_mut().enumerate() {
-                *turned = (
-                    gather(simd, &columns[column::STEERING + 2 * k], rows),
-                    gather(simd, &columns[column::STEERING + 2 * k + 1], rows),
-                );
+                let [sin, cos] = gather(simd, &columns[column::STEERING + 2 * k..], rows);
+                *turned = (sin, cos);
             }
             here.steering = Some(steering);
         }

@@ -57,7 +57,7 @@ impl SettleRange<'_, '_> {
         extent: Extent,
     ) {
         let here = self.here(simd, batch, rows);
-        let reach = gather(simd, &batch.columns[column::LOOK], rows);
+        let [reach] = gather(simd, &batch.columns[column::LOOK..], rows);
         let mut scan = search.scan(simd, &self.site(), &here, extent, reach);
         let (whole, _) = solve(simd, self.order, &mut scan.rows);
         let step = self.step(simd, batch, rows, &here, &scan, &whole);
@@ -94,8 +94,7 @@ impl SettleRange<'_, '_> {
         for number in &whole[2..] {
             turn = turn.max(number.abs());
         }
-        let (before, last) =
-            (gather(simd, &batch.columns[column::WORST], rows), gather(simd, &batch.columns[column::SHARE], rows));
+        let [before, last] = gather(simd, &batch.columns[column::WORST..], rows);
         let (half, double) = (Lanes::splat(simd, 0.5), Lanes::splat(simd, 2.0));
         let share = before
             .lt(scan.worst)

@@ -9,7 +9,7 @@ use super::pivots::{PivotOrder, Rows};
 use crate::ground::rims::circles::{FAR, RIMS, RimLanes, WheelCircle, spread};
 use crate::ground::rims::extent::Extent;
 use crate::suspension::kinematics::{JointAngles, WheelPose, WorldPoses};
-use crate::suspension::lanes::{Turned, Vectors, sum};
+use crate::suspension::lanes::{Turned, Vectors, columns, sum};
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS};
 use crate::terrain::Terrain;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
@@ -120,19 +120,16 @@ impl<W: Vector> WheelSearch<Scalar> for AllWheels<W> {
         let poses = here.poses(simd, site.chain);
         let mut scan = RimScan::empty(simd, poses.links.reaches);
         let circles = here.circles(simd, site, &poses, per_metre);
-        let mut last = [[0.0; RIMS]; 2];
-        for (k, last) in last.iter_mut().enumerate() {
-            for (wheel, last) in last.iter_mut().enumerate() {
-                *last = here.contacts[wheel.min(MAX_WHEELS - 1)][k].last(simd);
-            }
-        }
         let half_width = extent.half_width(wide, Lanes::splat(wide, reach.last(simd)));
         let count = site.chain.wheels().len().min(MAX_WHEELS);
         let mut gaps = [[0.0; RIMS]; 6];
         let mut first = 0;
         while first < count {
             let rims = RimLanes::load(wide, &circles, first);
-            let contacts = [Lanes::from_slice(wide, &last[0][first..]), Lanes::from_slice(wide, &last[1][first..])];
+            let contacts = columns(wide, |lane| {
+                let [sin, cos] = here.contacts[(first + lane).min(MAX_WHEELS - 1)];
+                [sin.last(simd), cos.last(simd)]
+            });
             let (found, covers) = extent.search(wide, site.ground, &rims, contacts, half_width);
             let clear = covers.select(found.others - found.gap, Lanes::splat(wide, UPPER));
             let numbers = [found.gap, found.at[0], found.at[1], found.slope[0], found.slope[1], clear];
@@ -144,11 +141,7 @@ impl<W: Vector> WheelSearch<Scalar> for AllWheels<W> {
             first += W::F64_LANES;
         }
         for wheel in 0..count {
-            let mut of_wheel = [Lanes::splat(simd, 0.0); 6];
-            for (lanes, gaps) in of_wheel.iter_mut().zip(&gaps) {
-                *lanes = Lanes::splat(simd, gaps[wheel]);
-            }
-            let [gap, sin, cos, along, across, clear] = of_wheel;
+            let [gap, sin, cos, along, across, clear] = columns(simd, |_| gaps.map(|gaps| gaps[wheel]));
             let found = WheelGap { gap, at: [sin, cos], slope: [along, across], clear };
             scan.add(simd, site, &poses, wheel, &poses.wheel(simd, wheel), per_metre, found);
         }

@@ -1,8 +1,9 @@
 //! Arcs of rims over one cell each: their ends, and bounds of the gap along them.
 
 use super::candidate::Candidate;
-use super::circles::{Cells, GapDerivatives, Point, RimLanes, both};
+use super::circles::{Cells, GapDerivatives, Point, RimLanes};
 use super::interval::{AngleInterval, GapMinimum};
+use crate::interval::both;
 use crate::terrain::Terrain;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;

@@ -1,25 +1,9 @@
 //! Circles over a grid, one alone or one in every lane, and the cells below them.
 
-use crate::terrain::{Heights, Terrain};
+use crate::suspension::lanes;
+use crate::terrain::{Cell, Heights, Terrain};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
-
-/// An expression for the indices 0 and 1. A closure would be compiled without the instructions of the level.
-macro_rules! both {
-    ($k: ident, $value: expr) => {
-        [
-            {
-                let $k = 0;
-                $value
-            },
-            {
-                let $k = 1;
-                $value
-            },
-        ]
-    };
-}
-pub(crate) use both;
 
 /// Circles that are searched together.
 pub const RIMS: usize = 8;
@@ -36,13 +20,7 @@ pub fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; RIMS] {
 }
 
 /// Cells of the lanes.
-#[derive(Clone, Copy)]
-pub(crate) struct Cells<S: Vector> {
-    pub h00: Lanes<S>,
-    pub along: Lanes<S>,
-    pub across: Lanes<S>,
-    pub twist: Lanes<S>,
-}
+pub(crate) type Cells<S> = Cell<Lanes<S>>;
 
 /// The cells with these lowest columns and rows; NaN off the map.
 #[inline(always)]
@@ -58,50 +36,37 @@ pub(crate) fn cells<S: Vector>(simd: S, ground: &Terrain, column: Lanes<S>, row:
     };
     let (along, across) = (h10 - h00, h01 - h00);
     let twist = (h11 - h10) - across;
-    Cells { h00, along, across, twist: inside.select(twist, Lanes::splat(simd, f64::NAN)) }
+    Cell { h00, along, across, twist: inside.select(twist, Lanes::splat(simd, f64::NAN)) }
 }
 
 /// Corners of the cells that begin at these places, as near to them as there are any.
 #[inline(always)]
 fn singles<S: Vector>(simd: S, ground: &Terrain, place: Lanes<S>) -> [Lanes<S>; 4] {
     let [rows, columns] = ground.shape();
-    let (places, mut corners) = (spread(place), [[0.0; RIMS]; 4]);
-    for lane in 0..S::F64_LANES {
+    let places = spread(place);
+    lanes::columns(simd, |lane| {
         let place = (places[lane] as usize).min((rows - 1) * columns - 2); // NaN is 0
-        for (corner, offset) in corners.iter_mut().zip([0, 1, columns, columns + 1]) {
-            corner[lane] = ground.heights().at(place + offset);
-        }
-    }
-    [
-        Lanes::from_slice(simd, &corners[0]),
-        Lanes::from_slice(simd, &corners[1]),
-        Lanes::from_slice(simd, &corners[2]),
-        Lanes::from_slice(simd, &corners[3]),
-    ]
+        [0, 1, columns, columns + 1].map(|offset| ground.heights().at(place + offset))
+    })
 }
 
 /// A circle over a grid: horizontal coordinates in columns and rows, heights in metres. Its points are
 /// `centre + forward sin t - up cos t`, with t the contact angle.
 #[derive(Clone, Copy, Debug)]
-pub struct WheelCircle {
+pub struct Circle<T> {
     /// Hub of the wheel.
-    pub centre: [f64; 3],
+    pub centre: [T; 3],
     /// Radius times the direction in which the wheel rolls.
-    pub forward: [f64; 3],
+    pub forward: [T; 3],
     /// Radius times the direction of its steering axis, upwards.
-    pub up: [f64; 3],
+    pub up: [T; 3],
 }
 
+/// One circle.
+pub type WheelCircle = Circle<f64>;
+
 /// A circle in every lane.
-#[derive(Clone, Copy)]
-pub struct RimLanes<S: Vector> {
-    /// As in [`WheelCircle`].
-    pub centre: [Lanes<S>; 3],
-    /// Likewise.
-    pub forward: [Lanes<S>; 3],
-    /// Likewise.
-    pub up: [Lanes<S>; 3],
-}
+pub type RimLanes<S> = Circle<Lanes<S>>;
 
 /// A point of every rim: where it is and how it moves along the rim.
 #[derive(Clone, Copy)]
@@ -138,26 +103,15 @@ impl<S: Vector> Point<S> {
 }
 
 #[inline_always]
-impl<S: Vector> RimLanes<S> {
+impl<S: Vector> Circle<Lanes<S>> {
     /// The circles from this one on, one per lane; lanes without one repeat the last.
     pub fn load(simd: S, circles: &[WheelCircle; RIMS], first: usize) -> Self {
-        let mut columns = [[0.0; RIMS]; 9];
-        for lane in 0..S::F64_LANES {
-            let circle = &circles[(first + lane).min(RIMS - 1)];
-            for k in 0..3 {
-                columns[k][lane] = circle.centre[k];
-                columns[3 + k][lane] = circle.forward[k];
-                columns[6 + k][lane] = circle.up[k];
-            }
+        let circle = |lane: usize| &circles[(first + lane).min(RIMS - 1)];
+        Self {
+            centre: lanes::columns(simd, |lane| circle(lane).centre),
+            forward: lanes::columns(simd, |lane| circle(lane).forward),
+            up: lanes::columns(simd, |lane| circle(lane).up),
         }
-        let zero = Lanes::splat(simd, 0.0);
-        let mut rims = Self { centre: [zero; 3], forward: [zero; 3], up: [zero; 3] };
-        for k in 0..3 {
-            rims.centre[k] = Lanes::from_slice(simd, &columns[k]);
-            rims.forward[k] = Lanes::from_slice(simd, &columns[3 + k]);
-            rims.up[k] = Lanes::from_slice(simd, &columns[6 + k]);
-        }
-        rims
     }
 
     /// Rotates the circles by half a turn: the upper halves become the lower ones.

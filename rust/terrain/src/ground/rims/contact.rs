@@ -4,9 +4,10 @@
 //! exactly, the next best contact if it is as near, and flags of unknown ground and of the edge of the map.
 //! [`super::walk`] searches along the rims.
 
-use super::circles::{FAR, RIMS, RimLanes, WheelCircle, both, spread};
+use super::circles::{FAR, RIMS, RimLanes, WheelCircle, spread};
 use super::interval::{AngleInterval, GapMinimum};
 use super::walk::find_min_gap;
+use crate::interval::both;
 use crate::terrain::Terrain;
 use six_wheel_kinematics::geometry::Direction;
 use six_wheel_numerics::simd::vector::Vector;

@@ -133,7 +133,7 @@ fn gap<S: Vector>(simd: S, ground: &Terrain, rims: &RimLanes<S>, [sin, cos]: [La
     let (column, row) = (at[0].floor(), at[1].floor());
     let cell = cells(simd, ground, column, row);
     let (a, b) = (at[0] - column, at[1] - row);
-    at[2] - (cell.h00 + cell.along * a + (cell.across + cell.twist * a) * b)
+    at[2] - cell.height(a, b)
 }
 
 /// Interval of contact angles about the last contact.

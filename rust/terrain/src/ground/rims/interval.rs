@@ -1,6 +1,7 @@
 //! Intervals of contact angles, and the least gap along them.
 
-use super::circles::{FAR, both};
+use super::circles::FAR;
+use crate::interval::both;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 

@@ -12,8 +12,9 @@
 
 use super::arcs::{Arc, ArcEnd, NextEnd, Search, Walk};
 use super::candidate::Candidate;
-use super::circles::{FAR, Point, RimLanes, both, cells};
+use super::circles::{FAR, Point, RimLanes, cells};
 use super::interval::{AngleInterval, GapMinimum, TIE};
+use crate::interval::both;
 use crate::terrain::Terrain;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
@@ -100,7 +101,7 @@ impl<S: Vector> Search<'_, S> {
         if self.interval.is_closed {
             // The gap decreases towards the end, or the arc has no length.
             let falls = last.gap.lt(far) & last.rise.le(zero);
-            walk.found.offer(self.interval.is_closed, falls, last.gap, self.interval.end, last.slope);
+            self.offer(&mut walk, falls, last.gap, self.interval.end, last.slope);
         } else {
             walk.found.others = first.min(last.gap);
         }
@@ -204,7 +205,12 @@ impl<S: Vector> Search<'_, S> {
             return;
         }
         let (at, minimum) = candidate.minimum(self.simd, self.ground, self.rims);
-        walk.found.offer(self.interval.is_closed, wanted, minimum.gap, [at.sin, at.cos], minimum.slope);
+        self.offer(walk, wanted, minimum.gap, [at.sin, at.cos], minimum.slope);
+    }
+
+    /// Adds a minimum in the lanes of `mask`.
+    fn offer(&self, walk: &mut Walk<S>, mask: Mask<S>, gap: Lanes<S>, at: [Lanes<S>; 2], slope: [Lanes<S>; 2]) {
+        walk.found.offer(self.interval.is_closed, mask, gap, at, slope);
         walk.ceiling = walk.ceiling.min(walk.found.gap);
     }
 
@@ -218,8 +224,7 @@ impl<S: Vector> Search<'_, S> {
         // The weighted mean of both slopes that is orthogonal to the rim; 0 at the edge of known ground.
         let share = bends.select(arc.left.rise / bends.select(turned, unit), self.all(0.5));
         let mix = both!(k, share * slope[k] + (unit - share) * arc.left.slope[k]);
-        walk.found.offer(self.interval.is_closed, falls, arc.left.gap, [walk.start.sin, walk.start.cos], mix);
-        walk.ceiling = walk.ceiling.min(walk.found.gap);
+        self.offer(walk, falls, arc.left.gap, [walk.start.sin, walk.start.cos], mix);
     }
 
     /// Sets the flags of unknown ground, and adds its first point, if the gap decreases towards it.
@@ -232,14 +237,7 @@ impl<S: Vector> Search<'_, S> {
         walk.found.outside = walk.found.outside | (mask & !on_map);
         if self.interval.is_closed {
             let falls = mask & before.gap.lt(self.all(FAR)) & before.rise.le(zero);
-            walk.found.offer(
-                self.interval.is_closed,
-                falls,
-                before.gap,
-                [walk.start.sin, walk.start.cos],
-                before.slope,
-            );
-            walk.ceiling = walk.ceiling.min(walk.found.gap);
+            self.offer(walk, falls, before.gap, [walk.start.sin, walk.start.cos], before.slope);
         }
         let edge = self.edge();
         walk.before = ArcEnd {
