@@ -1,5 +1,7 @@
 //! Motion of one settled pose, and the settings of motions.
 
+use pulp::Scalar;
+
 use super::contact::{Contacts, rest_offset};
 use crate::lanes::pose_lanes::Touching;
 use crate::rates::constants::{MotionConstants, PLAN};
@@ -11,8 +13,7 @@ use crate::rates::point_rows::Row;
 use crate::rates::suspension_rates::{KnownRate, KnownRates, SuspensionRates};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Mask;
-use six_wheel_numerics::simd::level::{Kernel, Level};
-use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::simd::level::run_scalar;
 use six_wheel_terrain::suspension::lanes::all;
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
@@ -109,128 +110,100 @@ pub(crate) struct SuspensionJacobian {
 impl Contacts {
     /// Twist and joint rates from the wheels: the planar motion by weighted least squares over the contacts.
     pub fn forward(&self, readings: &Readings<'_>, radii: &[f64; MAX_WHEELS]) -> BodyMotion {
-        Level::Scalar.run_any(OneMotion { contacts: self, readings, radii })
+        run_scalar(one_motion, (self, readings, radii))
     }
 
     /// The rates of the suspension that follow the ground, given known ones (NaN for those that are not) and rates of the
     /// wheels' own steering.
     pub(crate) fn suspension(&self, known: &Row, swivels: &[f64; MAX_WHEELS]) -> SuspensionJacobian {
-        Level::Scalar.run_any(OneSuspension { contacts: self, known, swivels })
+        run_scalar(one_suspension, (self, known, swivels))
     }
 
-    /// The same row in every lane.
+    /// The contacts in one lane, their own steering at these rates.
     #[inline(always)]
-    fn in_lanes<S: Vector>(&self, simd: S, swivels: &[f64; MAX_WHEELS]) -> (LaneContacts<S>, Touching<S>) {
-        let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-        let mut contacts = [LaneContact::zero(simd); MAX_WHEELS];
-        let touches = self.touching().count();
-        let mut touching =
-            Touching { wheels: [zero; MAX_WHEELS], all: touches == self.count, none: Mask::splat(simd, touches == 0) };
+    fn in_lanes(&self, swivels: &[f64; MAX_WHEELS]) -> (LaneContacts<Scalar>, Touching<Scalar>) {
+        let mut contacts = [LaneContact::zero(Scalar); MAX_WHEELS];
+        let (touches, none) = (self.touching().count(), all(Scalar, 0.0));
+        let mut touching = Touching {
+            wheels: [none; MAX_WHEELS],
+            all: touches == self.count,
+            none: Mask::splat(Scalar, touches == 0),
+        };
         for (wheel, (lanes, contact)) in contacts.iter_mut().zip(&self.wheels[..self.count]).enumerate() {
             for i in 0..3 {
                 for (cell, part) in lanes.rows[i].iter_mut().zip(contact.rows[i]) {
-                    *cell = all(simd, part);
+                    *cell = all(Scalar, part);
                 }
-                lanes.swivel[i] = all(simd, contact.swivel[i] * swivels[wheel]);
+                lanes.swivel[i] = all(Scalar, contact.swivel[i] * swivels[wheel]);
             }
-            touching.wheels[wheel] = if contact.touching { one } else { zero };
+            touching.wheels[wheel] = all(Scalar, f64::from(contact.touching));
         }
         (contacts, touching)
     }
 }
 
-/// Rates that are known in every lane, or in none.
+/// Rates that are known, or not.
 #[inline(always)]
-fn known_rates<S: Vector>(simd: S, known: &Row) -> KnownRates<S> {
+fn known_rates(known: &Row) -> KnownRates<Scalar> {
     let mut rates = [KnownRate::Unknown; COLUMNS];
     for (rate, known) in rates.iter_mut().zip(known) {
         if !known.is_nan() {
-            *rate = KnownRate::Known(all(simd, *known));
+            *rate = KnownRate::Known(all(Scalar, *known));
         }
     }
     rates
 }
 
-/// [`Contacts::forward`] as a kernel.
-struct OneMotion<'a> {
-    contacts: &'a Contacts,
-    readings: &'a Readings<'a>,
-    radii: &'a [f64; MAX_WHEELS],
-}
-
-impl Kernel for OneMotion<'_> {
-    type Output = BodyMotion;
-
-    #[inline(always)]
-    fn run<S: Vector>(self, simd: S) -> BodyMotion {
-        let Self { contacts, readings, radii } = self;
-        let mut swivels = [0.0; MAX_WHEELS];
-        if let Some(rates) = readings.steering_rates {
-            for (swivel, contact) in swivels.iter_mut().zip(&contacts.wheels[..contacts.count]) {
-                if let Some(joint) = contact.steering {
-                    *swivel = rates[joint];
-                }
+/// See [`Contacts::forward`].
+#[inline(always)]
+fn one_motion((contacts, readings, radii): (&Contacts, &Readings<'_>, &[f64; MAX_WHEELS])) -> BodyMotion {
+    let mut swivels = [0.0; MAX_WHEELS];
+    if let Some(rates) = readings.steering_rates {
+        for (swivel, contact) in swivels.iter_mut().zip(&contacts.wheels[..contacts.count]) {
+            if let Some(joint) = contact.steering {
+                *swivel = rates[joint];
             }
         }
-        let (lanes, touching) = contacts.in_lanes(simd, &swivels);
-        let mut speeds = [all(simd, f64::NAN); MAX_WHEELS];
-        for (lane, speed) in speeds.iter_mut().zip(readings.speeds) {
-            *lane = all(simd, *speed);
-        }
-        let input = FitInput {
-            contacts: &lanes,
-            touching: &touching,
-            known: known_rates(simd, &readings.known(contacts)),
-            speeds,
-            weights: readings.weights,
-        };
-        let constants = MotionConstants::dense(contacts.count, contacts.joints, *radii);
-        let found = fit::<S, 4>(simd, &constants, &input, &mut DenseLeastSquares::new(simd));
-        let mut moving =
-            BodyMotion { twist: [0.0; 6], joint_rates: [0.0; MAX_FREE], residual: [[f64::NAN; 3]; MAX_WHEELS] };
-        let rates = moving.twist.iter_mut().chain(&mut moving.joint_rates).zip(found.rates);
-        let residuals = moving.residual.as_flattened_mut().iter_mut().zip(found.residuals);
-        for (value, lane) in rates.chain(residuals) {
-            *value = lane.last(simd);
-        }
-        moving
     }
-}
-
-/// [`Contacts::suspension`] as a kernel.
-struct OneSuspension<'a> {
-    contacts: &'a Contacts,
-    known: &'a Row,
-    swivels: &'a [f64; MAX_WHEELS],
-}
-
-impl Kernel for OneSuspension<'_> {
-    type Output = SuspensionJacobian;
-
-    #[inline(always)]
-    fn run<S: Vector>(self, simd: S) -> SuspensionJacobian {
-        let contacts = self.contacts;
-        let (lanes, touching) = contacts.in_lanes(simd, self.swivels);
-        let constants = MotionConstants::dense(contacts.count, contacts.joints, [1.0; MAX_WHEELS]);
-        let mut equations = DenseLeastSquares::new(simd);
-        let known = known_rates(simd, self.known);
-        let found = SuspensionRates::new::<4>(simd, &constants, &touching, &known, &lanes, &mut equations);
-        let is_determined = found.determined.booleans()[0];
-        let mut jacobian = SuspensionJacobian { spread: [[0.0; 3]; COLUMNS], offset: [0.0; COLUMNS] };
-        for (value, lane) in jacobian.offset.iter_mut().zip(found.offset) {
-            *value = lane.last(simd);
-        }
-        for (k, column) in PLAN.into_iter().enumerate() {
-            jacobian.spread[column][k] = found.free[k].last(simd);
-        }
-        for (column, spread) in found.unknown.iter().zip(found.spread).take(found.count) {
-            for (value, lane) in jacobian.spread[*column].iter_mut().zip(spread) {
-                *value = if is_determined { lane.last(simd) } else { f64::NAN };
-            }
-            if !is_determined {
-                jacobian.offset[*column] = f64::NAN;
-            }
-        }
-        jacobian
+    let (lanes, touching) = contacts.in_lanes(&swivels);
+    let mut speeds = [all(Scalar, f64::NAN); MAX_WHEELS];
+    for (lane, speed) in speeds.iter_mut().zip(readings.speeds) {
+        *lane = all(Scalar, *speed);
     }
+    let known = known_rates(&readings.known(contacts));
+    let input = FitInput { contacts: &lanes, touching: &touching, known, speeds, weights: readings.weights };
+    let constants = MotionConstants::dense(contacts.count, contacts.joints, *radii);
+    let found = fit::<Scalar, 4>(Scalar, &constants, &input, &mut DenseLeastSquares::new(Scalar));
+    let mut moving =
+        BodyMotion { twist: [0.0; 6], joint_rates: [0.0; MAX_FREE], residual: [[f64::NAN; 3]; MAX_WHEELS] };
+    let rates = moving.twist.iter_mut().chain(&mut moving.joint_rates).zip(found.rates);
+    let residuals = moving.residual.as_flattened_mut().iter_mut().zip(found.residuals);
+    for (value, lane) in rates.chain(residuals) {
+        *value = lane.last(Scalar);
+    }
+    moving
+}
+
+/// See [`Contacts::suspension`].
+#[inline(always)]
+fn one_suspension((contacts, known, swivels): (&Contacts, &Row, &[f64; MAX_WHEELS])) -> SuspensionJacobian {
+    let (lanes, touching) = contacts.in_lanes(swivels);
+    let constants = MotionConstants::dense(contacts.count, contacts.joints, [1.0; MAX_WHEELS]);
+    let (known, mut equations) = (known_rates(known), DenseLeastSquares::new(Scalar));
+    let found = SuspensionRates::new::<4>(Scalar, &constants, &touching, &known, &lanes, &mut equations);
+    let is_determined = found.determined.any();
+    let offset = found.offset.map(|rate| rate.last(Scalar));
+    let mut jacobian = SuspensionJacobian { spread: [[0.0; 3]; COLUMNS], offset };
+    for (k, column) in PLAN.into_iter().enumerate() {
+        jacobian.spread[column][k] = found.free[k].last(Scalar);
+    }
+    for (column, spread) in found.unknown.iter().zip(found.spread).take(found.count) {
+        for (value, lane) in jacobian.spread[*column].iter_mut().zip(spread) {
+            *value = if is_determined { lane.last(Scalar) } else { f64::NAN };
+        }
+        if !is_determined {
+            jacobian.offset[*column] = f64::NAN;
+        }
+    }
+    jacobian
 }

@@ -31,23 +31,20 @@ pub struct Response {
 
 /// Three rows of a contact in the fit of the planar motion.
 #[derive(Clone, Copy)]
-struct Rows {
-    /// Derivatives by all rates.
-    directions: [Row; 3],
+struct Rows<'a> {
+    contact: &'a Contact,
     /// Derivatives by the planar rates, those of the suspension eliminated.
     plan: [Vector3<f64>; 3],
     /// Weight of each row.
     shares: [f64; 3],
-    swivel: [f64; 3],
-    steering: Option<usize>,
 }
 
 /// The parts of the fit that all derivatives share.
-struct Fit {
+struct Fit<'a> {
     suspension: SuspensionJacobian,
     /// Inverse of the normal matrix of the planar rates.
     inverse: Matrix3<f64>,
-    rows: [Option<Rows>; MAX_WHEELS],
+    rows: [Option<Rows<'a>>; MAX_WHEELS],
 }
 
 impl Contacts {
@@ -69,9 +66,10 @@ impl Contacts {
             response.by_speed[wheel] = fit.twist(&none, right(1, radii[wheel]));
             response.by_side[wheel] = fit.twist(&none, right(2, 1.0));
         }
+        let still = known.map(|rate| if rate.is_nan() { rate } else { 0.0 });
         // Rates of the suspension for one measured rate of 1, the others 0.
         let unit = |column: usize| {
-            let mut rates = known.map(|rate| if rate.is_nan() { rate } else { 0.0 });
+            let mut rates = still;
             rates[column] = 1.0;
             self.suspension(&rates, &[0.0; MAX_WHEELS]).offset
         };
@@ -86,12 +84,10 @@ impl Contacts {
                 *derivative = fit.driven_twist(&unit(6 + joint), None);
             }
         }
-        let still = known.map(|rate| if rate.is_nan() { rate } else { 0.0 });
         for (joint, derivative) in response.by_steering_rate.iter_mut().enumerate() {
             let mut swivels = [0.0; MAX_WHEELS];
-            let is_steered = |rows: &Option<Rows>| rows.is_some_and(|rows| rows.steering == Some(joint));
-            for (swivel, rows) in swivels.iter_mut().zip(&fit.rows) {
-                *swivel = if is_steered(rows) { 1.0 } else { 0.0 };
+            for (wheel, contact) in self.touching() {
+                swivels[wheel] = f64::from(contact.steering == Some(joint));
             }
             if swivels.contains(&1.0) {
                 *derivative = fit.driven_twist(&self.suspension(&still, &swivels).offset, Some(joint));
@@ -100,7 +96,7 @@ impl Contacts {
         response
     }
 
-    fn fit(&self, readings: &Readings<'_>, known: &Row) -> Fit {
+    fn fit(&self, readings: &Readings<'_>, known: &Row) -> Fit<'_> {
         let suspension = self.suspension(known, &[0.0; MAX_WHEELS]);
         let mut rows = [None; MAX_WHEELS];
         let mut normal = Matrix3::zeros();
@@ -114,8 +110,7 @@ impl Contacts {
             for (row, share) in plan.iter().zip(shares) {
                 normal += row * row.transpose() * share;
             }
-            let Contact { rows: directions, swivel, steering, .. } = *contact;
-            rows[wheel] = Some(Rows { directions, plan, shares, swivel, steering });
+            rows[wheel] = Some(Rows { contact, plan, shares });
         }
         let values = Jacobi::new(&normal);
         let bound = DEPENDENT * DEPENDENT * values.values[0];
@@ -130,7 +125,7 @@ impl SuspensionJacobian {
     }
 }
 
-impl Fit {
+impl Fit<'_> {
     /// The twist of the rates `beside` that are not planar, with the planar rates that solve the normal equations with
     /// this right-hand side.
     fn twist(&self, beside: &Row, right: Vector3<f64>) -> TwistDerivative {
@@ -143,10 +138,10 @@ impl Fit {
     fn driven_twist(&self, beside: &Row, swivelled: Option<usize>) -> TwistDerivative {
         let mut right = Vector3::zeros();
         for rows in self.rows.iter().flatten() {
-            let swivels = swivelled.is_some() && rows.steering == swivelled;
+            let swivels = swivelled.is_some() && rows.contact.steering == swivelled;
             for i in 0..3 {
-                let swivel = if swivels { rows.swivel[i] } else { 0.0 };
-                let parts = rows.directions[i].iter().zip(beside).map(|(part, rate)| part * rate);
+                let swivel = if swivels { rows.contact.swivel[i] } else { 0.0 };
+                let parts = rows.contact.rows[i].iter().zip(beside).map(|(part, rate)| part * rate);
                 let moved = parts.sum::<f64>() + swivel;
                 right -= rows.plan[i] * (rows.shares[i] * moved);
             }

@@ -1,6 +1,6 @@
 //! Test for slip of the whole rover: a chi-squared test of the difference of two estimates of its motion.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrixView, SMatrix, SVector};
 
 use six_wheel_numerics::error::{Error, number};
 
@@ -27,14 +27,10 @@ impl SlipTest {
             let rule = "be between 0 and 1";
             return Err(Error::value("false_alarm", rule, number(false_alarm)));
         }
+        // Components beyond those given have the variance 1 and no slip.
         let mut matrix = SMatrix::<f64, LARGEST, LARGEST>::identity();
-        let mut vector = SVector::<f64, LARGEST>::zeros();
-        for i in 0..length {
-            vector[i] = slip[i];
-            for k in 0..length {
-                matrix[(i, k)] = covariance[i * length + k];
-            }
-        }
+        matrix.view_mut((0, 0), (length, length)).tr_copy_from(&DMatrixView::from_slice(covariance, length, length));
+        let vector = SVector::<f64, LARGEST>::from_fn(|i, _| slip.get(i).copied().unwrap_or(0.0));
         let Some(factor) = matrix.cholesky() else {
             let rule = "be symmetric and positive definite";
             return Err(Error::value("covariance", rule, "one that is not"));

@@ -5,7 +5,7 @@ use pulp::Simd;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::{angle, direction};
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::lanes::{Column, LARGEST_TURN, MOST, Turned, all};
+use six_wheel_terrain::suspension::lanes::{Column, LARGEST_TURN, MOST, Turned, all, columns};
 
 /// Consecutive rows, one per lane: `count` rows from row `first` on.
 #[derive(Clone, Copy)]
@@ -40,17 +40,10 @@ impl Span {
             }
             return lanes;
         }
-        let mut columns = [Column::ZERO; W];
-        for lane in 0..S::F64_LANES {
+        columns(simd, |lane| {
             let row = &rows[lane.min(self.count - 1) * width..][..width];
-            for (column, value) in columns.iter_mut().zip(row) {
-                column.0[lane % MOST] = *value;
-            }
-        }
-        for (lanes, column) in lanes.iter_mut().zip(&columns) {
-            *lanes = column.load(simd);
-        }
-        lanes
+            std::array::from_fn(|k| row.get(k).copied().unwrap_or(0.0))
+        })
     }
 
     /// One number of each of these rows; a single value stands for every row.

@@ -56,13 +56,13 @@ type PoseRow = [[f64; MOST]; 1 + MAX_WHEELS];
 #[repr(align(64))]
 pub(crate) struct LaneGather([PoseRow; MOST]);
 
+#[inline_always]
 impl LaneGather {
     pub fn new() -> Self {
         Self([[[0.0; MOST]; 1 + MAX_WHEELS]; MOST])
     }
 
     /// Group `part` of eight numbers of each row, transposed into lanes.
-    #[inline(always)]
     fn columns<S: Vector>(&self, simd: S, part: usize) -> [Lanes<S>; MOST] {
         let rows = self.0.as_flattened().as_flattened();
         Lanes::columns(simd, &rows[part * MOST..], size_of::<PoseRow>() / size_of::<f64>())

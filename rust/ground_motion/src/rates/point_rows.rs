@@ -1,13 +1,13 @@
 //! Velocities of points of one rover, as functions of the rates.
 
 use nalgebra::Vector3;
+use pulp::Scalar;
 
 use super::contact_rows::{COLUMNS, velocity_rows};
-use six_wheel_numerics::simd::level::{Kernel, Level};
-use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::simd::level::run_scalar;
 use six_wheel_terrain::suspension::kinematics::{LinkPose, MatrixPose};
 use six_wheel_terrain::suspension::lanes::{all, splat};
-use six_wheel_terrain::suspension::{Chain, MAX_STATE, Placed, PlanPose};
+use six_wheel_terrain::suspension::{Chain, MAX_STATE, Placed};
 
 /// A chain in the axes of its own body. None where a differential does not reach.
 pub(crate) fn in_body<'a>(chain: &'a Chain, joints: &[f64], steering: &[f64]) -> Option<Placed<'a>> {
@@ -15,8 +15,7 @@ pub(crate) fn in_body<'a>(chain: &'a Chain, joints: &[f64], steering: &[f64]) ->
     for (angle, joint) in state[3..].iter_mut().zip(joints) {
         *angle = *joint;
     }
-    let origin = PlanPose { x: 0.0, y: 0.0, yaw: 0.0 };
-    chain.place(origin, &state, steering)
+    chain.place([0.0; 3].into(), &state, steering)
 }
 
 /// Derivatives of a velocity by the rates.
@@ -30,32 +29,22 @@ pub(crate) fn point_rows<const N: usize>(
     point: Vector3<f64>,
     directions: [Vector3<f64>; N],
 ) -> ([Row; N], [f64; N]) {
-    Level::Scalar.run_any(PointRows { placed, wheel, point, directions })
+    run_scalar(lane_rows, (placed, wheel, point, directions))
 }
 
-/// [`point_rows`] as a kernel.
-struct PointRows<'a, const N: usize> {
-    placed: &'a Placed<'a>,
-    wheel: usize,
-    point: Vector3<f64>,
-    directions: [Vector3<f64>; N],
-}
-
-impl<const N: usize> Kernel for PointRows<'_, N> {
-    type Output = ([Row; N], [f64; N]);
-
-    #[inline(always)]
-    fn run<S: Vector>(self, simd: S) -> Self::Output {
-        let Self { placed, wheel, point, directions } = self;
-        let lanes = |vector: Vector3<f64>| splat(simd, vector.into());
-        let link = |axis, origin| MatrixPose::on_axis(lanes(axis), lanes(origin));
-        let (point, directions) = (lanes(point), directions.map(lanes));
-        let (mut rows, mut swivel) = ([[all(simd, 0.0); COLUMNS]; N], [0.0; N]);
-        let movers = placed.free_axes(wheel).map(|(joint, axis, origin)| (link(axis, origin), joint));
-        velocity_rows(movers, point, directions, &mut rows);
-        if let Some((_, axis, origin)) = placed.steering_axes(wheel).next() {
-            swivel = link(axis, origin).slopes(point, &directions).map(|part| part.last(simd));
-        }
-        (rows.map(|row| row.map(|part| part.last(simd))), swivel)
+/// See [`point_rows`].
+#[inline(always)]
+fn lane_rows<const N: usize>(
+    (placed, wheel, point, directions): (&Placed<'_>, usize, Vector3<f64>, [Vector3<f64>; N]),
+) -> ([Row; N], [f64; N]) {
+    let lanes = |vector: Vector3<f64>| splat(Scalar, vector.into());
+    let link = |axis, origin| MatrixPose::on_axis(lanes(axis), lanes(origin));
+    let (point, directions) = (lanes(point), directions.map(lanes));
+    let (mut rows, mut swivel) = ([[all(Scalar, 0.0); COLUMNS]; N], [0.0; N]);
+    let movers = placed.free_axes(wheel).map(|(joint, axis, origin)| (link(axis, origin), joint));
+    velocity_rows(movers, point, directions, &mut rows);
+    if let Some((_, axis, origin)) = placed.steering_axes(wheel).next() {
+        swivel = link(axis, origin).slopes(point, &directions).map(|part| part.last(Scalar));
     }
+    (rows.map(|row| row.map(|part| part.last(Scalar))), swivel)
 }

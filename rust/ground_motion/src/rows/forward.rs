@@ -1,13 +1,13 @@
 //! Twist and joint rates from the wheels, for many rows: the planar motion by weighted least squares over the contacts.
 
 use super::prepared::Prepared;
-use super::run::{BodyPoses, InLanes, MotionScratch, Rows, run_rows, take};
+use super::run::{BodyPoses, InLanes, MotionScratch, SolveRows, run_rows, take};
 use crate::lanes::columns::{Span, direction_of, is_number};
 use crate::lanes::pose_lanes::PoseLanes;
 use crate::lanes::settled_poses::SettledPoses;
 use crate::rates::constants::MotionConstants;
 use crate::rates::contact_rows::COLUMNS;
-use crate::rates::contact_rows::{Contacts, RimPoint, angle_on_plane, rim_side, steering_velocity, velocity_rows};
+use crate::rates::contact_rows::{Contacts, angle_on_plane, rim_side, steering_velocity, velocity_rows};
 use crate::rates::fit::{FitInput, FittedMotion, fit};
 use crate::rates::suspension_rates::{KnownRate, KnownRates};
 use six_wheel_numerics::error::Error;
@@ -74,17 +74,20 @@ struct ForwardRange<'a> {
     motions: BodyMotions<'a>,
 }
 
-impl Rows for ForwardRange<'_> {
+impl SolveRows for InLanes<'_, ForwardRange<'_>> {
     #[inline(always)]
-    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, links: &mut BodyPoses<'_, S>) -> Result<(), Error> {
-        let mut scratch = MotionScratch::new(simd);
-        let measures = lanes.measures();
-        for spans in lanes.spans(simd) {
-            match measures {
-                true => lanes.solve_rows::<S, 4>(simd, spans, links, &mut scratch),
-                false => lanes.solve_rows::<S, 3>(simd, spans, links, &mut scratch),
-            }
-        }
+    fn solve_rows<S: Vector>(
+        &mut self,
+        simd: S,
+        [span, given]: [Span; 2],
+        links: &mut BodyPoses<'_, S>,
+        scratch: &mut MotionScratch<S>,
+    ) -> Result<(), Error> {
+        let found = match self.measures() {
+            true => self.fit::<S, 4>(simd, given, links, scratch),
+            false => self.fit::<S, 3>(simd, given, links, scratch),
+        };
+        self.write(simd, span, &found);
         Ok(())
     }
 }
@@ -97,17 +100,17 @@ struct SteeringDirections<S: Vector> {
     any_moved: bool,
 }
 
+#[inline_always]
 impl InLanes<'_, ForwardRange<'_>> {
     /// `RIGHT` is the number of right-hand sides of the suspension's equations: 4, or 3 where only wheel speeds are
     /// measured.
-    #[inline(always)]
-    fn solve_rows<S: Vector, const RIGHT: usize>(
-        &mut self,
+    fn fit<S: Vector, const RIGHT: usize>(
+        &self,
         simd: S,
-        [span, given]: [Span; 2],
+        given: Span,
         links: &mut BodyPoses<'_, S>,
         scratch: &mut MotionScratch<S>,
-    ) {
+    ) -> FittedMotion<S> {
         let MotionScratch { gather, equations, contacts, poses } = scratch;
         poses.read(simd, self.chain, self.range.poses, given, gather);
         let poses = &*poses;
@@ -121,13 +124,11 @@ impl InLanes<'_, ForwardRange<'_>> {
             speeds: given.read(simd, readings.speeds, self.motion.wheels),
             weights: readings.weights,
         };
-        let found = fit::<S, RIGHT>(simd, self.motion, &input, equations);
-        self.write(simd, span, &found);
+        fit::<S, RIGHT>(simd, self.motion, &input, equations)
     }
 
     /// Directions of the steering joints as they are given and where they have settled, None for those straight ahead, and
     /// the lanes in which one differs.
-    #[inline(always)]
     fn steering<S: Vector>(&self, simd: S, given: Span, poses: &PoseLanes<S>) -> SteeringDirections<S> {
         let steered = self.chain.steering().len().min(MAX_WHEELS);
         let (mut angles, mut steers) = (poses.steering, poses.steers);
@@ -153,7 +154,6 @@ impl InLanes<'_, ForwardRange<'_>> {
     }
 
     /// Writes the contacts' velocities by the rates, at the given steering angles.
-    #[inline(always)]
     fn write_contacts<S: Vector>(
         &self,
         simd: S,
@@ -183,12 +183,7 @@ impl InLanes<'_, ForwardRange<'_>> {
                 let plane = angle_on_plane([ahead, up], side);
                 at = (moved.select(plane.0, at.0), moved.select(plane.1, at.1));
             }
-            let mut centre = links.centre(simd, wheel);
-            if let Some(turned) = turned {
-                centre = links.steered_centre(simd, wheel, turned, centre);
-            }
-            let radius = all(simd, self.motion.radii[wheel]);
-            let touch = RimPoint::new(link, centre, radius, turned, at);
+            let (_, touch) = self.contact(links, wheel, turned, at);
             let directions = [normal, touch.tangent, cross(normal, touch.tangent)];
             velocity_rows(links.movers(wheel), touch.point, directions, &mut contact.rows);
             if let (Some(joint), Some(rates)) = (joint, &rates) {
@@ -201,7 +196,6 @@ impl InLanes<'_, ForwardRange<'_>> {
     }
 
     /// The known rates: those that are measured, and 0 for joints at their stops.
-    #[inline(always)]
     fn known_rates<S: Vector>(&self, simd: S, given: Span, poses: &PoseLanes<S>) -> KnownRates<S> {
         let zero = all(simd, 0.0);
         let mut known = [KnownRate::Unknown; COLUMNS];
@@ -243,14 +237,11 @@ impl InLanes<'_, ForwardRange<'_>> {
         beside.iter().any(Option::is_some)
     }
 
-    #[inline(always)]
     fn write<S: Vector>(&mut self, simd: S, span: Span, found: &FittedMotion<S>) {
         let MotionConstants { wheels, joints, .. } = *self.motion;
-        let (mut twist, mut rates) = ([all(simd, f64::NAN); 6], [all(simd, f64::NAN); MAX_FREE]);
-        twist.copy_from_slice(&found.rates[..6]);
-        rates.copy_from_slice(&found.rates[6..]);
+        let [vx, vy, vz, wx, wy, wz, rates @ ..] = found.rates;
         let motions = &mut self.range.motions;
-        span.write(simd, &twist, 6, motions.twists.as_flattened_mut());
+        span.write(simd, &[vx, vy, vz, wx, wy, wz], 6, motions.twists.as_flattened_mut());
         span.write(simd, &rates, joints, motions.joint_rates);
         span.write(simd, &found.residuals, 3 * wheels, motions.residuals);
     }

@@ -1,17 +1,17 @@
 //! Wheels for desired motions, for many rows.
 
 use super::prepared::Prepared;
-use super::run::{BodyPoses, InLanes, MotionScratch, Rows, run_rows, take};
-use crate::lanes::columns::{Span, direction_of, is_number};
+use super::run::{BodyPoses, InLanes, MotionScratch, SolveRows, run_rows, take};
+use crate::lanes::columns::{Span, is_number};
 use crate::lanes::pose_lanes::PoseLanes;
 use crate::lanes::settled_poses::SettledPoses;
 use crate::motion::{Command, View};
 use crate::rates::constants::PLAN;
 use crate::rates::contact_rows::COLUMNS;
-use crate::rates::contact_rows::{Contacts, RimPoint, Row, angle_on_plane, rim_side, velocity_rows};
+use crate::rates::contact_rows::{Contacts, Row, angle_on_plane, rim_side, velocity_rows};
 use crate::rates::least_squares::DenseLeastSquares;
 use crate::rates::suspension_rates::{KnownRate, SuspensionRates};
-use crate::steering::joint_angle::{JointAngle, check};
+use crate::steering::joint_angle::{JointAngle, JointAngles, check, of_wheel, values};
 use crate::steering::search::{SteeringInput, steer};
 use crate::steering::side_slip::WheelAxes;
 use six_wheel_numerics::error::Error;
@@ -80,17 +80,6 @@ struct InverseRange<'a> {
     commands: Commands<'a>,
 }
 
-impl Rows for InverseRange<'_> {
-    #[inline(always)]
-    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, links: &mut BodyPoses<'_, S>) -> Result<(), Error> {
-        let mut scratch = MotionScratch::new(simd);
-        for spans in lanes.spans(simd) {
-            lanes.solve_rows(simd, spans, links, &mut scratch)?;
-        }
-        Ok(())
-    }
-}
-
 /// The wheels where they stand.
 struct StandingWheels<S: Vector> {
     /// Rotations about the steering axes; None for wheels that point straight ahead.
@@ -99,8 +88,8 @@ struct StandingWheels<S: Vector> {
     centres: [Vectors<S>; MAX_WHEELS],
 }
 
-#[inline_always]
-impl InLanes<'_, InverseRange<'_>> {
+impl SolveRows for InLanes<'_, InverseRange<'_>> {
+    #[inline(always)]
     fn solve_rows<S: Vector>(
         &mut self,
         simd: S,
@@ -127,16 +116,13 @@ impl InLanes<'_, InverseRange<'_>> {
         let angles = self.steering_angles(simd, given, poses, &axes, known);
         check(simd, chain, given, &angles, &poses.touching.wheels, known)?;
         let (speeds, scale) = self.rolling_speeds(simd, poses, &axes, &angles);
-        let mut steering = [all(simd, 0.0); MAX_WHEELS];
-        for (steering, angle) in steering.iter_mut().zip(&angles) {
-            if let Some(angle) = angle {
-                *steering = angle.angle;
-            }
-        }
-        self.write(span, &steering, &speeds, &rates, known.select(scale, all(simd, f64::NAN)));
+        self.write(span, &values(simd, &angles), &speeds, &rates, known.select(scale, all(simd, f64::NAN)));
         Ok(())
     }
+}
 
+#[inline_always]
+impl InLanes<'_, InverseRange<'_>> {
     /// Writes the velocities of the contacts along the normals by the rates, at the angles of the settled poses.
     fn write_normal_rows<S: Vector>(
         &self,
@@ -148,14 +134,8 @@ impl InLanes<'_, InverseRange<'_>> {
         let zero = all(simd, 0.0);
         let mut standing = StandingWheels { directions: [None; MAX_WHEELS], centres: [[zero; 3]; MAX_WHEELS] };
         for (wheel, contact) in contacts.iter_mut().enumerate().take(self.motion.wheels) {
-            let (mut centre, mut direction) = (links.centre(simd, wheel), None);
-            if let Some(joint) = self.chain.steering_joint(wheel).filter(|_| poses.steers) {
-                let turned = direction_of(simd, poses.steering[joint % MAX_WHEELS]);
-                centre = links.steered_centre(simd, wheel, turned, centre);
-                direction = Some(turned);
-            }
-            let radius = all(simd, self.motion.radii[wheel]);
-            let touch = RimPoint::new(links.wheel_link(wheel), centre, radius, direction, poses.at[wheel]);
+            let direction = self.settled_direction(simd, poses, wheel);
+            let (centre, touch) = self.contact(links, wheel, direction, poses.at[wheel]);
             let [normal, ..] = contact.rows.each_mut();
             velocity_rows(links.movers(wheel), touch.point, [poses.normals[wheel]], std::array::from_mut(normal));
             (standing.directions[wheel], standing.centres[wheel]) = (direction, centre);
@@ -239,7 +219,7 @@ impl InLanes<'_, InverseRange<'_>> {
         poses: &PoseLanes<S>,
         axes: &[WheelAxes<S>; MAX_WHEELS],
         known: Mask<S>,
-    ) -> [Option<JointAngle<S>>; MAX_WHEELS] {
+    ) -> JointAngles<S> {
         let ranges = self.chain.steering();
         if let Some(angles) = self.range.steering {
             let angles = given.read::<S, MAX_WHEELS>(simd, angles, ranges.len());
@@ -267,7 +247,7 @@ impl InLanes<'_, InverseRange<'_>> {
         simd: S,
         poses: &PoseLanes<S>,
         axes: &[WheelAxes<S>; MAX_WHEELS],
-        angles: &[Option<JointAngle<S>>; MAX_WHEELS],
+        angles: &JointAngles<S>,
     ) -> ([Lanes<S>; MAX_WHEELS], Lanes<S>) {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let mut moved = Mask::splat(simd, false);
@@ -279,9 +259,7 @@ impl InLanes<'_, InverseRange<'_>> {
         let (mut speeds, mut fastest) = ([zero; MAX_WHEELS], zero);
         for (wheel, axes) in axes.iter().enumerate().take(self.motion.wheels) {
             let mut to = (zero, one);
-            if let Some(joint) = self.chain.steering_joint(wheel)
-                && let Some(angle) = &angles[joint % MAX_WHEELS]
-            {
+            if let Some(angle) = of_wheel(self.chain, angles, wheel) {
                 to = angle.turned;
             }
             let (sin, cos) = poses.at[wheel];
@@ -304,7 +282,6 @@ impl InLanes<'_, InverseRange<'_>> {
     ) {
         let chain = self.chain;
         let simd = scale.simd();
-        let zero = all(simd, 0.0);
         // NaN where nothing is known.
         let nothing = !scale.le(scale);
         let (mut steers, mut turns) = (*angles, *speeds);
@@ -312,17 +289,15 @@ impl InLanes<'_, InverseRange<'_>> {
             steers[k] = nothing.select(scale, angles[k]);
             turns[k] = speeds[k] * scale;
         }
-        let (mut twist, mut joints) = ([zero; 6], [zero; MAX_FREE]);
-        for (k, value) in twist.iter_mut().enumerate() {
-            *value = rates[k] * scale;
+        let mut rates = *rates;
+        for rate in &mut rates {
+            *rate = *rate * scale;
         }
-        for (k, value) in joints.iter_mut().enumerate() {
-            *value = rates[6 + k] * scale;
-        }
+        let [vx, vy, vz, wx, wy, wz, joints @ ..] = rates;
         let commands = &mut self.range.commands;
         span.write(simd, &steers, chain.steering().len(), commands.steering);
         span.write(simd, &turns, chain.wheels().len(), commands.speeds);
-        span.write(simd, &twist, 6, commands.twists.as_flattened_mut());
+        span.write(simd, &[vx, vy, vz, wx, wy, wz], 6, commands.twists.as_flattened_mut());
         span.write(simd, &joints, chain.joints().len(), commands.joint_rates);
         span.write(simd, &[scale], 1, commands.scales);
     }

@@ -1,11 +1,11 @@
 //! Kernels over many rows: as many at a time as there are lanes.
 
 use super::prepared::{LaneConstants, Prepared};
-use crate::lanes::columns::Span;
+use crate::lanes::columns::{Span, direction_of};
 use crate::lanes::pose_lanes::PoseLanes;
 use crate::lanes::settled_poses::LaneGather;
 use crate::rates::constants::MotionConstants;
-use crate::rates::contact_rows::{Contact, Contacts};
+use crate::rates::contact_rows::{Contact, Contacts, RimPoint};
 use crate::rates::least_squares::DenseLeastSquares;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Lanes;
@@ -13,18 +13,26 @@ use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::kinematics::{JointAngles, LinkPoses, PlanarLink};
+use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Poses of links in the axes of the body.
 pub(crate) type BodyPoses<'a, S> = LinkPoses<'a, S, PlanarLink<S>>;
 
-/// Rows that one thread takes.
-pub(crate) trait Rows: Sized {
-    /// Solves all rows of a range. Has to be `#[inline(always)]`.
-    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, links: &mut BodyPoses<'_, S>) -> Result<(), Error>;
+/// A range that is solved some rows at a time.
+pub(crate) trait SolveRows {
+    /// Solves as many rows as there are lanes, or fewer: `spans` in the outputs and in the inputs. Has to be
+    /// `#[inline(always)]`.
+    fn solve_rows<S: Vector>(
+        &mut self,
+        simd: S,
+        spans: [Span; 2],
+        links: &mut BodyPoses<'_, S>,
+        scratch: &mut MotionScratch<S>,
+    ) -> Result<(), Error>;
 }
 
-/// A range of rows, and the constants of their chain.
+/// A range of rows that one thread takes, and the constants of their chain.
 pub(crate) struct InLanes<'a, R> {
     pub chain: &'a Chain,
     pub motion: &'a MotionConstants,
@@ -36,42 +44,71 @@ pub(crate) struct InLanes<'a, R> {
 }
 
 impl<R> InLanes<'_, R> {
-    /// The rows, as many at a time as there are lanes, in the outputs and in the inputs.
-    #[inline(always)]
-    pub fn spans<S: Vector>(&self, _: S) -> impl Iterator<Item = [Span; 2]> + use<R, S> {
-        let (start, rows) = (self.first, self.count);
-        (0..rows).step_by(S::F64_LANES).map(move |first| {
-            let count = S::F64_LANES.min(rows - first);
-            [Span { first, count }, Span { first: start + first, count }]
-        })
-    }
-
     /// Places the chain at these free angles [rad], its wheels straight ahead.
     #[inline(always)]
     pub fn place<S: Vector>(&self, simd: S, links: &mut BodyPoses<'_, S>, angles: [Lanes<S>; MAX_FREE]) {
         links.place(simd, &JointAngles::new(simd, angles, self.motion.joints, None));
     }
+
+    /// Sine and cosine of the steering angle at which a wheel has settled; None straight ahead.
+    #[inline(always)]
+    pub fn settled_direction<S: Vector>(&self, simd: S, poses: &PoseLanes<S>, wheel: usize) -> Option<Turned<S>> {
+        match self.chain.steering_joint(wheel) {
+            Some(joint) if poses.steers => Some(direction_of(simd, poses.steering[joint % MAX_WHEELS])),
+            _ => None,
+        }
+    }
+
+    /// The centre of a wheel at this sine and cosine of its steering angle [m], and its contact.
+    #[inline(always)]
+    pub fn contact<S: Vector>(
+        &self,
+        links: &BodyPoses<'_, S>,
+        wheel: usize,
+        turned: Option<Turned<S>>,
+        at: Turned<S>,
+    ) -> (Vectors<S>, RimPoint<S>) {
+        let simd = at.0.simd();
+        let mut centre = links.centre(simd, wheel);
+        if let Some(turned) = turned {
+            centre = links.steered_centre(simd, wheel, turned, centre);
+        }
+        let radius = all(simd, self.motion.radii[wheel]);
+        (centre, RimPoint::new(links.wheel_link(wheel), centre, radius, turned, at))
+    }
 }
 
-impl<R: Rows> Kernel for InLanes<'_, R> {
+impl<R> Kernel for InLanes<'_, R>
+where
+    Self: SolveRows,
+{
     type Output = Result<(), Error>;
 
     #[inline(always)]
     fn run<S: Vector>(mut self, simd: S) -> Self::Output {
         let mut links = BodyPoses::in_body(simd, self.chain);
-        R::solve_all(&mut self, simd, &mut links)
+        let mut scratch = MotionScratch::new(simd);
+        for first in (0..self.count).step_by(S::F64_LANES) {
+            let count = S::F64_LANES.min(self.count - first);
+            let spans = [Span { first, count }, Span { first: self.first + first, count }];
+            self.solve_rows(simd, spans, &mut links, &mut scratch)?;
+        }
+        Ok(())
     }
 }
 
 /// Solves all rows in ranges, which `range` makes one after the other for the number of rows it is given. Fails at the first row
 /// that has an error.
-pub(crate) fn run_rows<R: Rows + Send>(
+pub(crate) fn run_rows<R: Send>(
     chain: &Chain,
     prepared: &Prepared,
     workers: Workers,
     rows: usize,
     mut range: impl FnMut(usize) -> R + Send,
-) -> Result<(), Error> {
+) -> Result<(), Error>
+where
+    for<'a> InLanes<'a, R>: SolveRows,
+{
     let LaneConstants { motion, .. } = prepared.lanes.as_ref().ok_or_else(|| {
         let rule = "have links that turn about x or y, those on one another about the same, and steer about z";
         Error::value("chain", rule, "one that does not")

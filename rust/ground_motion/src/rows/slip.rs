@@ -1,10 +1,9 @@
 //! Slip of the wheels at known motions, for many rows.
 
 use super::prepared::Prepared;
-use super::run::{BodyPoses, InLanes, MotionScratch, Rows, run_rows, take};
-use crate::lanes::columns::{Span, angle_of, direction_of, is_number, polar};
+use super::run::{BodyPoses, InLanes, MotionScratch, SolveRows, run_rows, take};
+use crate::lanes::columns::{Span, angle_of, is_number, polar};
 use crate::lanes::settled_poses::SettledPoses;
-use crate::rates::contact_rows::RimPoint;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
@@ -58,18 +57,7 @@ struct SlipRange<'a> {
     slips: Slips<'a>,
 }
 
-impl Rows for SlipRange<'_> {
-    #[inline(always)]
-    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, links: &mut BodyPoses<'_, S>) -> Result<(), Error> {
-        let mut scratch = MotionScratch::new(simd);
-        for spans in lanes.spans(simd) {
-            lanes.solve_rows(simd, spans, links, &mut scratch);
-        }
-        Ok(())
-    }
-}
-
-impl InLanes<'_, SlipRange<'_>> {
+impl SolveRows for InLanes<'_, SlipRange<'_>> {
     #[inline(always)]
     fn solve_rows<S: Vector>(
         &mut self,
@@ -77,15 +65,15 @@ impl InLanes<'_, SlipRange<'_>> {
         [span, given]: [Span; 2],
         links: &mut BodyPoses<'_, S>,
         scratch: &mut MotionScratch<S>,
-    ) {
+    ) -> Result<(), Error> {
         let wheels = self.motion.wheels.min(MAX_WHEELS);
         let MotionScratch { gather, poses, .. } = scratch;
         poses.read(simd, self.chain, self.range.poses, given, gather);
         self.place(simd, links, poses.joints);
-        let range = &mut self.range;
-        let speeds = given.read::<S, MAX_WHEELS>(simd, range.input.speeds, wheels);
-        let [vx, vy, vz, wx, wy, wz] = given.read::<S, 6>(simd, range.input.twists.as_flattened(), 6);
-        let rates = given.read::<S, MAX_FREE>(simd, range.input.joint_rates, self.motion.joints);
+        let SlipInput { speeds, twists, joint_rates } = *self.range.input;
+        let speeds = given.read::<S, MAX_WHEELS>(simd, speeds, wheels);
+        let [vx, vy, vz, wx, wy, wz] = given.read::<S, 6>(simd, twists.as_flattened(), 6);
+        let rates = given.read::<S, MAX_FREE>(simd, joint_rates, self.motion.joints);
         let body = LinkVelocity { linear: [vx, vy, vz], angular: [wx, wy, wz] };
         links.set_rates(&rates);
         let (zero, one, nan) = (all(simd, 0.0), all(simd, 1.0), all(simd, f64::NAN));
@@ -94,21 +82,15 @@ impl InLanes<'_, SlipRange<'_>> {
         let mut reach = zero;
         for wheel in 0..wheels {
             let link = links.wheel_link(wheel);
-            let (mut centre, mut turned) = (links.centre(simd, wheel), None);
-            if let Some(joint) = self.chain.steering_joint(wheel).filter(|_| poses.steers) {
-                let to = direction_of(simd, poses.steering[joint % MAX_WHEELS]);
-                centre = links.steered_centre(simd, wheel, to, centre);
-                turned = Some(to);
-            }
-            let radius = all(simd, self.motion.radii[wheel]);
-            let touch = RimPoint::new(link, centre, radius, turned, poses.at[wheel]);
+            let turned = self.settled_direction(simd, poses, wheel);
+            let (centre, touch) = self.contact(links, wheel, turned, poses.at[wheel]);
             let slide = link.velocity(&body, touch.point);
             let (sin, cos) = turned.unwrap_or((zero, one));
             let axle = link.rotated([-sin, cos, zero]);
             let ahead = dot(link.velocity(&body, centre), touch.tangent);
             let aside = dot(slide, cross(poses.normals[wheel], touch.tangent));
             // The rim turns with the encoder and with the link.
-            let rim = radius * (speeds[wheel] + dot(link.angular_velocity(&body), axle));
+            let rim = all(simd, self.motion.radii[wheel]) * (speeds[wheel] + dot(link.angular_velocity(&body), axle));
             let touches = zero.lt(poses.touching.wheels[wheel]);
             let turns = touches & zero.lt(rim.abs());
             ratios[wheel] = turns.select(one - (ahead / rim), nan);
@@ -119,7 +101,8 @@ impl InLanes<'_, SlipRange<'_>> {
             ratios[wheel] = is_number(reach).select(ratios[wheel], nan);
             angles[wheel] = is_number(reach).select(angles[wheel], nan);
         }
-        span.write(simd, &ratios, wheels, range.slips.ratios);
-        span.write(simd, &angles, wheels, range.slips.angles);
+        span.write(simd, &ratios, wheels, self.range.slips.ratios);
+        span.write(simd, &angles, wheels, self.range.slips.angles);
+        Ok(())
     }
 }

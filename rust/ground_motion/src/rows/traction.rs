@@ -9,12 +9,12 @@
 //! that carries the wheel is subtracted, since its encoder measures against the link.)
 
 use super::prepared::Prepared;
-use super::run::{BodyPoses, InLanes, Rows, run_rows, take};
+use super::run::{BodyPoses, InLanes, MotionScratch, SolveRows, run_rows, take};
 use super::two_link_chain::OneRow;
 use super::wheel_command::{CentreVelocity, LiftLimits, fitted_vertical_speed, median_closing_speed};
 use crate::driving::{Drives, Driving, Turns};
 use crate::lanes::columns::{Span, angle_of, direction_of, polar, wrap_far};
-use crate::steering::joint_angle::{JointAngle, check};
+use crate::steering::joint_angle::{JointAngle, JointAngles, check, of_wheel, values};
 use crate::steering::search::{SteeringInput, steer};
 use crate::steering::side_slip::WheelAxes;
 use six_wheel_numerics::error::Error;
@@ -22,7 +22,7 @@ use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
 use six_wheel_terrain::suspension::kinematics::{LinkVelocity, PlanarLink};
-use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all};
+use six_wheel_terrain::suspension::lanes::{Vectors, all};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Wheels for commanded speeds and yaw rates, from the rates of body and joints alone. Fails at the first row at which a
@@ -69,16 +69,6 @@ struct TractionRange<'a> {
     drives: Drives<'a>,
 }
 
-impl Rows for TractionRange<'_> {
-    #[inline(always)]
-    fn solve_all<S: Vector>(lanes: &mut InLanes<'_, Self>, simd: S, links: &mut BodyPoses<'_, S>) -> Result<(), Error> {
-        for spans in lanes.spans(simd) {
-            lanes.solve_rows(simd, spans, links)?;
-        }
-        Ok(())
-    }
-}
-
 /// A wheel at its link.
 #[derive(Clone, Copy)]
 struct PlacedWheel<'a, S: Vector> {
@@ -102,13 +92,14 @@ impl<S: Vector> DesiredRates<S> {
     }
 }
 
-#[inline_always]
-impl InLanes<'_, TractionRange<'_>> {
+impl SolveRows for InLanes<'_, TractionRange<'_>> {
+    #[inline(always)]
     fn solve_rows<S: Vector>(
         &mut self,
         simd: S,
         [span, given]: [Span; 2],
         links: &mut BodyPoses<'_, S>,
+        _: &mut MotionScratch<S>,
     ) -> Result<(), Error> {
         let (range, wheels) = (&self.range, self.motion.wheels.min(MAX_WHEELS));
         let (zero, nan) = (all(simd, 0.0), all(simd, f64::NAN));
@@ -140,11 +131,9 @@ impl InLanes<'_, TractionRange<'_>> {
             (speeds[wheel], contact_angles[wheel]) = (command.speed, command.contact_angle);
             lifted = lifted + command.lifted.select(all(simd, f64::from(1_u32 << wheel)), zero);
         }
-        let mut steering = [zero; MAX_WHEELS];
-        for (steering, angle) in steering.iter_mut().zip(&angles) {
-            if let Some(angle) = angle {
-                *steering = reach.select(angle.angle, nan);
-            }
+        let mut steering = values(simd, &angles);
+        for angle in &mut steering {
+            *angle = reach.select(*angle, nan);
         }
         let (steered, drives) = (self.chain.steering().len(), &mut self.range.drives);
         span.write(simd, &steering, steered, drives.steering);
@@ -154,7 +143,10 @@ impl InLanes<'_, TractionRange<'_>> {
         span.flags(lifted, wheels, drives.lifted);
         Ok(())
     }
+}
 
+#[inline_always]
+impl InLanes<'_, TractionRange<'_>> {
     fn desired_rates<S: Vector>(&self, simd: S, given: Span) -> DesiredRates<S> {
         let driving = self.range.driving;
         let speed = given.one(simd, driving.speed);
@@ -183,7 +175,7 @@ impl InLanes<'_, TractionRange<'_>> {
         wheels: &[PlacedWheel<'_, S>],
         desired: &DesiredRates<S>,
         known: Mask<S>,
-    ) -> [Option<JointAngle<S>>; MAX_WHEELS] {
+    ) -> JointAngles<S> {
         let zero = all(simd, 0.0);
         let ranges = self.chain.steering();
         let mut velocities = [[zero; 2]; MAX_WHEELS];
@@ -225,7 +217,7 @@ impl InLanes<'_, TractionRange<'_>> {
         wheels: &[PlacedWheel<'_, S>],
         desired: &DesiredRates<S>,
         known: Mask<S>,
-    ) -> [Option<JointAngle<S>>; MAX_WHEELS] {
+    ) -> JointAngles<S> {
         let zero = all(simd, 0.0);
         let turn = [zero, zero, desired.body.angular[2]];
         let mut axes = [WheelAxes::at_rest(simd); MAX_WHEELS];
@@ -264,16 +256,14 @@ impl InLanes<'_, TractionRange<'_>> {
         links: &BodyPoses<'_, S>,
         body: &LinkVelocity<S>,
         wheels: &mut [PlacedWheel<'_, S>],
-        angles: &[Option<JointAngle<S>>; MAX_WHEELS],
+        angles: &JointAngles<S>,
     ) -> [CentreVelocity<S>; MAX_WHEELS] {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let none = CentreVelocity { along: zero, across: zero, vertical: [zero; 2], turn: zero, inverse_radius: one };
         let mut centres = [none; MAX_WHEELS];
         for (wheel, (velocity, PlacedWheel { link, centre })) in centres.iter_mut().zip(wheels).enumerate() {
-            let mut to: Turned<S> = (zero, one);
-            if let Some(joint) = self.chain.steering_joint(wheel)
-                && let Some(angle) = &angles[joint % MAX_WHEELS]
-            {
+            let mut to = (zero, one);
+            if let Some(angle) = of_wheel(self.chain, angles, wheel) {
                 to = angle.turned;
                 *centre = links.steered_centre(simd, wheel, to, *centre);
             }

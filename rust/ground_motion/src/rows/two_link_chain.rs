@@ -3,7 +3,9 @@
 //! Places and motions of links and wheels are those of rows in lanes ([`PlanarLink`], [`CentreVelocity`]), so
 //! that a row has the same bits alone and in a batch.
 
-use super::wheel_command::{CentreVelocity, LiftLimits};
+use pulp::Scalar;
+
+use super::wheel_command::{CentreVelocity, LiftLimits, median};
 use crate::driving::{Drives, Driving, Turns};
 use crate::lanes::columns::{angle_of, polar};
 use crate::steering::joint_angle::JointAngle;
@@ -163,9 +165,16 @@ impl Kernel for OneRow<'_, '_> {
             lanes.centre.closing_speed(simd).store(S::as_mut_simd_f64s(&mut closing).0, k);
             refused = refused.max(lanes.refused);
         }
-        let Some(vertical) = median(&mut closing[..wheels]) else {
+        let mut sum = 0.0;
+        let mut speeds = [all(Scalar, 0.0); MAX_WHEELS];
+        for (speed, closing) in speeds.iter_mut().zip(&closing[..wheels]) {
+            sum += closing;
+            *speed = all(Scalar, *closing);
+        }
+        if !sum.is_finite() {
             return false;
-        };
+        }
+        let vertical = median(Scalar, speeds, wheels).last(Scalar);
         let zero = all(simd, 0.0);
         let mut numbers = [[0.0; MOST]; 4];
         for k in 0..registers {
@@ -269,24 +278,4 @@ impl OneRow<'_, '_> {
             refused: (steered & (to.is_zero | steering.failed())).select(one, zero),
         }
     }
-}
-
-/// The median of some numbers; None where one of them is not finite.
-#[inline(always)]
-fn median(values: &mut [f64]) -> Option<f64> {
-    let mut sum = 0.0;
-    for k in 0..values.len() {
-        sum += values[k];
-        // Partial selection sort, up to the middle.
-        for i in k + 1..values.len() {
-            let (a, b) = (values[k], values[i]);
-            (values[k], values[i]) = if b < a { (b, a) } else { (a, b) };
-        }
-    }
-    let half = values.len() / 2;
-    let median = match values.len() % 2 {
-        1 => values[half],
-        _ => 0.5 * (values[half.checked_sub(1)?] + values[half]),
-    };
-    sum.is_finite().then_some(median)
 }

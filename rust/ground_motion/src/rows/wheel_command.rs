@@ -101,21 +101,26 @@ pub(super) fn median_closing_speed<S: Vector>(simd: S, centres: &[CentreVelocity
         *speed = centre.closing_speed(simd);
         sum = sum + *speed;
     }
-    let count = centres.len().min(MAX_WHEELS);
+    is_number(sum).select(median(simd, speeds, centres.len()), sum)
+}
+
+/// The median of the first `count` numbers, none of them NaN.
+#[inline(always)]
+pub(super) fn median<S: Vector>(simd: S, mut numbers: [Lanes<S>; MAX_WHEELS], count: usize) -> Lanes<S> {
+    let count = count.min(MAX_WHEELS);
     // Partial selection sort, up to the middle.
     for k in 0..=count / 2 {
         for i in k + 1..count {
-            let (a, b) = (speeds[k], speeds[i]);
-            speeds[k] = a.min(b);
-            speeds[i] = a.max(b);
+            let (a, b) = (numbers[k], numbers[i]);
+            numbers[k] = a.min(b);
+            numbers[i] = a.max(b);
         }
     }
     let middle = count / 2;
-    let median = match count % 2 {
-        1 => speeds[middle],
-        _ => all(simd, 0.5) * (speeds[(middle + MAX_WHEELS - 1) % MAX_WHEELS] + speeds[middle]),
-    };
-    is_number(sum).select(median, sum)
+    match count % 2 {
+        1 => numbers[middle],
+        _ => all(simd, 0.5) * (numbers[(middle + MAX_WHEELS - 1) % MAX_WHEELS] + numbers[middle]),
+    }
 }
 
 /// Most Newton steps: random speeds take seven on average.

@@ -32,8 +32,7 @@ impl Attitude {
             true => (roll, pitch, 0.0),
             false => half.euler_angles(),
         };
-        let yaw = yaw.map(|yaw| yaw + turn);
-        Ok(Self { roll, pitch, yaw })
+        Ok(Self { roll, pitch, yaw: yaw.map(|yaw| yaw + turn) })
     }
 
     /// From a quaternion x, y, z, w. Fails unless its length is 1 up to rounding.
@@ -46,8 +45,7 @@ impl Attitude {
             return Err(Error::value("attitude", rule, numbers(&parts)));
         }
         let (roll, pitch, yaw) = UnitQuaternion::new_normalize(quaternion).euler_angles();
-        let yaw = Some(yaw);
-        Ok(Self { roll, pitch, yaw })
+        Ok(Self { roll, pitch, yaw: Some(yaw) })
     }
 
     /// Fails if roll or pitch is beyond [`OVERTURNED`].

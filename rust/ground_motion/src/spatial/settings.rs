@@ -24,11 +24,8 @@ impl Default for Settings3 {
 impl Settings3 {
     pub(crate) fn check(&self, chain: &Chain) -> Result<(), Error> {
         self.common.check_for(chain.wheels().len(), chain.steering().len())?;
-        let deviations = [("attitude_noise", self.attitude_noise), ("joint_noise", self.joint_noise)];
-        for (argument, value) in deviations {
-            not_negative(argument, value)?;
-        }
-        Ok(())
+        not_negative("attitude_noise", self.attitude_noise)?;
+        not_negative("joint_noise", self.joint_noise)
     }
 
     /// Standard deviation of the distance that a wheel's centre moves across the ground over one step [m].

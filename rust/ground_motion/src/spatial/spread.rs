@@ -36,12 +36,8 @@ pub(crate) struct StepNoise {
 }
 
 impl StepNoise {
-    pub const fn none() -> Self {
-        Self {
-            own: zero(),
-            old: [Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0); SHARED],
-            new: [Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0); SHARED],
-        }
+    pub fn none() -> Self {
+        Self { own: Matrix6::zeros(), old: [Vector6::zeros(); SHARED], new: [Vector6::zeros(); SHARED] }
     }
 
     /// Covariance of the displacement, the errors of readings at both ends independent.
@@ -50,13 +46,6 @@ impl StepNoise {
         ends.filter(|column| **column != Vector6::zeros())
             .fold(self.own, |total, column| total + column * column.transpose())
     }
-}
-
-const fn zero() -> Matrix6<f64> {
-    Matrix6::new(
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-    )
 }
 
 /// Error of a pose: x, y, z [m], and about the axes of the world [rad].

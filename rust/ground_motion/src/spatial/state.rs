@@ -176,10 +176,7 @@ impl State {
 
     /// Projection of an error that keeps position and yaw and removes the tilt.
     pub fn tilt_free_projection(&self) -> Matrix6<f64> {
-        let mut keeps = Matrix6::zeros();
-        for k in 0..3 {
-            keeps[(k, k)] = 1.0;
-        }
+        let mut keeps = Matrix6::from_partial_diagonal(&[1.0; 3]);
         keeps.set_row(5, &self.yaw_row());
         keeps
     }

@@ -7,7 +7,7 @@ use six_wheel_kinematics::steering::{ANGLE_TOLERANCE, SteeringRange};
 use six_wheel_numerics::error::{Error, ErrorKind, number};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;
-use six_wheel_terrain::suspension::lanes::{Column, Turned, all};
+use six_wheel_terrain::suspension::lanes::{Column, MOST, Turned, all};
 use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
 /// Angle of a joint, and the lanes in which it has none.
@@ -20,6 +20,32 @@ pub(crate) struct JointAngle<S: Vector> {
     pub(super) slips: Mask<S>,
     /// Lanes in which neither the angle nor that half a turn from it is inside the range.
     outside: Mask<S>,
+}
+
+/// The angles of all joints; None for joints without a wheel.
+pub(crate) type JointAngles<S> = [Option<JointAngle<S>>; MAX_WHEELS];
+
+/// The angles in numbers, 0 where there is none [rad].
+#[inline(always)]
+pub(crate) fn values<S: Vector>(simd: S, angles: &JointAngles<S>) -> [Lanes<S>; MAX_WHEELS] {
+    let mut values = [all(simd, 0.0); MAX_WHEELS];
+    for (value, angle) in values.iter_mut().zip(angles) {
+        if let Some(angle) = angle {
+            *value = angle.angle;
+        }
+    }
+    values
+}
+
+/// The angle of the joint that steers a wheel.
+#[inline(always)]
+pub(crate) fn of_wheel<'a, S: Vector>(
+    chain: &Chain,
+    angles: &'a JointAngles<S>,
+    wheel: usize,
+) -> Option<&'a JointAngle<S>> {
+    let joint = chain.steering_joint(wheel)?;
+    angles[joint % MAX_WHEELS].as_ref()
 }
 
 #[inline_always]
@@ -74,7 +100,7 @@ pub(crate) fn check<S: Vector>(
     simd: S,
     chain: &Chain,
     span: Span,
-    angles: &[Option<JointAngle<S>>; MAX_WHEELS],
+    angles: &JointAngles<S>,
     touching: &[Lanes<S>; MAX_WHEELS],
     known: Mask<S>,
 ) -> Result<(), Error> {
@@ -85,42 +111,40 @@ pub(crate) fn check<S: Vector>(
     if !(failed & known).any() {
         return Ok(());
     }
-    let mut failures = [[Column::ZERO; 3]; MAX_WHEELS];
-    let mut touches = [Column::ZERO; MAX_WHEELS];
+    let mut failures = [([false; MOST], [false; MOST], [0.0; MOST]); MAX_WHEELS];
+    let mut touches = [[false; MOST]; MAX_WHEELS];
     for k in 0..MAX_WHEELS {
-        touches[k] = Column::of(touching[k]);
+        touches[k] = all(simd, 0.0).lt(touching[k]).booleans();
         if let Some(angle) = &angles[k] {
-            let (one, zero) = (all(simd, 1.0), all(simd, 0.0));
-            let truths = [angle.slips & known, angle.outside & known];
-            failures[k] = [
-                Column::of(truths[0].select(one, zero)),
-                Column::of(truths[1].select(one, zero)),
-                Column::of(angle.angle),
-            ];
+            let (slips, outside) = ((angle.slips & known).booleans(), (angle.outside & known).booleans());
+            failures[k] = (slips, outside, Column::of(angle.angle).0);
         }
     }
     first_error(chain, span, &failures, &touches).map_or(Ok(()), Err)
 }
 
+/// The lanes in which the wheels of a joint slip at every angle, those in which its angle is out of range, and the angles
+/// [rad].
+type Failures = ([bool; MOST], [bool; MOST], [f64; MOST]);
+
 /// Error of the first row in which a joint has no angle, with the name of its first touching wheel, or of its first
-/// wheel if none touches. `failures` holds of each joint the lanes in which its wheels slip at every angle, those in
-/// which its angle is out of range, and the angle [rad].
+/// wheel if none touches.
 #[cold]
-fn first_error(chain: &Chain, span: Span, failures: &[[Column; 3]], touching: &[Column; MAX_WHEELS]) -> Option<Error> {
+fn first_error(chain: &Chain, span: Span, failures: &[Failures], touching: &[[bool; MOST]]) -> Option<Error> {
     for lane in 0..span.count {
-        for (joint, [slips, outside, angle]) in failures.iter().enumerate() {
+        for (joint, (slips, outside, angles)) in failures.iter().enumerate() {
             let of = |wheel: &usize| chain.steering_joint(*wheel) == Some(joint);
             let wheels = (0..chain.wheels().len()).filter(of);
-            let first = wheels.clone().find(|wheel| touching[*wheel].0[lane] > 0.0);
+            let first = wheels.clone().find(|wheel| touching[*wheel][lane]);
             let Some(wheel) = first.or(wheels.min()) else { continue };
             let name = &chain.wheels()[wheel].name;
-            let error = if slips.0[lane] > 0.0 {
+            let error = if slips[lane] {
                 let rule = format!("let {name} roll at some angle");
                 Error::value("command", rule, "one at which it slips at any")
-            } else if outside.0[lane] > 0.0 {
+            } else if outside[lane] {
                 let SteeringRange { lower, upper } = chain.steering()[joint];
                 let rule = format!("let {name} steer within ({lower:?}, {upper:?})");
-                Error::value("command", rule, number(angle.0[lane]))
+                Error::value("command", rule, number(angles[lane]))
             } else {
                 continue;
             };

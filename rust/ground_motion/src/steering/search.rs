@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 
-use super::joint_angle::JointAngle;
+use super::joint_angle::{JointAngle, JointAngles};
 use super::side_slip::{SideSlip, WheelAxes};
 use crate::lanes::columns::{angle_of, direction_of, polar, roots};
 use six_wheel_kinematics::steering::SteeringRange;
@@ -59,7 +59,7 @@ pub(crate) struct SteeringInput<'a, S: Vector> {
 /// Angle of every joint at which its wheels have no sideways velocity: of the two, rolling forwards and backwards, the
 /// one nearer to `from`. None for joints without a wheel.
 #[inline(always)]
-pub(crate) fn steer<S: Vector>(simd: S, input: &SteeringInput<'_, S>) -> [Option<JointAngle<S>>; MAX_WHEELS] {
+pub(crate) fn steer<S: Vector>(simd: S, input: &SteeringInput<'_, S>) -> JointAngles<S> {
     let slip = SideSlip::new(simd, input.chain, input.axes, input.touching);
     let no = Mask::splat(simd, false);
     let zero = all(simd, 0.0);
