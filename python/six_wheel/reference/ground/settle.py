@@ -246,28 +246,15 @@ def settle(ground: Terrain, chain: Chain, pose: ArrayLike, steering: ArrayLike |
     free = place(ground, chain, pose, steering)
     if free is None:
         return SettledPose(_why_not(ground, chain, pose), pose)
+    status, stopped, hanging = "settled", tuple[int, ...](), tuple[int, ...]()
+    if stops(chain, free):
+        standing = next(candidates(ground, chain, pose, steering, free), None)
+        if standing is None:
+            return SettledPose("not_converged", pose)
+        status, (free, stopped, hanging) = "at_stop", standing
     found = tuple(gaps(ground, chain, pose, free, steering))
-    if not stops(chain, free):
-        return SettledPose(
-            "settled", pose, float(free[0]), float(free[1]), float(free[2]), free[3:], angles, found
-        )
-    standing = next(candidates(ground, chain, pose, steering, free), None)
-    if standing is None:
-        return SettledPose("not_converged", pose)
-    free, stopped, hanging = standing
-    found = tuple(gaps(ground, chain, pose, free, steering))
-    return SettledPose(
-        "at_stop",
-        pose,
-        float(free[0]),
-        float(free[1]),
-        float(free[2]),
-        free[3:],
-        angles,
-        found,
-        hanging,
-        stopped,
-    )
+    z, roll, pitch = free[:3].tolist()
+    return SettledPose(status, pose, z, roll, pitch, free[3:], angles, found, hanging, stopped)
 
 
 def _why_not(ground: Terrain, chain: Chain, pose: Floats) -> str:

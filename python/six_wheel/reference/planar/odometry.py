@@ -32,27 +32,15 @@ def displacement(rover: Rover, before: Floats, after: Floats, rolled: Floats, sl
     `rolled` (wheels,) [m] is the way along the rim; `slid` (wheels,) [m] how far each contact slid left.
     A pivot whose wheel steers by ``d`` goes along an arc, whose chord is ``sin(d/2) / (d/2)`` of its length.
     """
-    radii = np.array([wheel.radius for wheel in rover.wheels])
-    steered = [i for i, wheel in enumerate(rover.wheels) if wheel.steered]
     turned = after - before
-    chords = np.ones(len(radii))
-    chords[steered] = np.sinc(turned / math.tau)
-    a, b = np.zeros((len(radii), 2, 3)), np.zeros((len(radii), 2))
-    middle = iter(zip((before + after) / 2.0, turned, strict=True))
-    for i, wheel in enumerate(rover.wheels):
-        angle, change = next(middle) if wheel.steered else (0.0, 0.0)
-        a[i] = wheel.rows(angle)
-        if not wheel.castor:
-            b[i] = rolled[i] + wheel.scrub * change, wheel.trail * change
-    b *= chords[:, None]
+    a, b = rover.equations((before + after) / 2.0, rolled, turned)
+    b[[wheel.steered for wheel in rover.wheels]] *= np.sinc(turned / math.tau)[:, None]
     for i, wheel in enumerate(rover.wheels):
         # Rollers turn away a part of what slides across them, and pass the rest on along the wheel.
         if wheel.roller_angle is None:
             b[i, 1] += slid[i]
         else:
             b[i, 0] += slid[i] / math.tan(wheel.roller_angle)
-    for i, row in rover._shared_rows.items():
-        a[i, 1] = row
     unread = np.isnan(b[:, 0])
     a[unread, 0] = b[unread, 0] = 0.0
     return np.asarray(np.linalg.lstsq(a.reshape(-1, 3), b.ravel(), rcond=1e-9)[0])

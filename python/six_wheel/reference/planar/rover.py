@@ -149,7 +149,8 @@ class Rover(Layout):
         shapes = enumerate(((3,), (wheels,), (), (), (wheels,)))
         return TwistFit(*(np.array([fit[k] for fit in fits]).reshape(*lead, *shape) for k, shape in shapes))
 
-    def _fit(self, angles: Floats, rim: Floats, rates: Floats, method: Method) -> TwistFit:
+    def equations(self, angles: Floats, rim: Floats, rates: Floats) -> tuple[Floats, Floats]:
+        """Rows (wheels, 2, 3) and readings (wheels, 2) of every wheel; what was not read is NaN."""
         a, b = np.empty((len(rim), 2, 3)), np.zeros((len(rim), 2))
         steer = iter(zip(angles, rates, strict=True))
         for i, wheel in enumerate(self.wheels):
@@ -159,6 +160,10 @@ class Rover(Layout):
                 b[i] = rim[i] + wheel.scrub * rate, wheel.trail * rate
         for i, row in self._shared_rows.items():
             a[i, 1] = row
+        return a, b
+
+    def _fit(self, angles: Floats, rim: Floats, rates: Floats, method: Method) -> TwistFit:
+        a, b = self.equations(angles, rim, rates)
         unread = np.isnan(b[:, 0])
         a[unread, 0] = b[unread, 0] = 0.0
         trusted = [wheel.fixed or method != "middle_wheels" for wheel in self.wheels]
