@@ -221,10 +221,21 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def one_axes(height: float, width: float = PAGE_WIDTH) -> tuple[Figure, Axes]:
-    """A figure of this size [in] and the only axes in it."""
-    figure = new_figure(width, height)
-    return figure, figure.add_subplot()
+def page_figure(height: float) -> Figure:
+    """A figure as wide as a page, and of this height [in]."""
+    return new_figure(PAGE_WIDTH, height)
+
+
+def one_axes(height: float, width: float = PAGE_WIDTH) -> Axes:
+    """The only axes in a figure of this size [in]."""
+    return new_figure(width, height).add_subplot()
+
+
+def figure_of(axes: Axes) -> Figure:
+    """The figure that holds the axes, which are in no part of it."""
+    figure = axes.figure
+    assert isinstance(figure, Figure)
+    return figure
 
 
 def write_heading(figure: Figure, title: str | None) -> None:
@@ -246,8 +257,8 @@ def covariance_ellipse(position: Floats, covariance: Floats, **look: Any) -> Ell
     return Ellipse((position[0], position[1]), wide, high, angle=turn, **look)
 
 
-def equal_scales(figure: Figure, axes: Axes, least: float = 0.0) -> None:
-    """Give both axes one scale and `least` [m] at least, and the figure the height it asks for."""
+def equal_scales(axes: Axes, least: float = 0.0) -> None:
+    """Give both axes one scale and `least` [m] at least, and their figure the height it asks for."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     wide, tall = max(right - left, least), max(high - low, least)
     share = min(max(tall / wide, 0.4), 0.8)
@@ -255,22 +266,23 @@ def equal_scales(figure: Figure, axes: Axes, least: float = 0.0) -> None:
     x, y = (left + right) / 2, (low + high) / 2
     axes.set_aspect("equal")
     axes.set(xlim=(x - half[0], x + half[0]), ylim=(y - half[1], y + half[1]))
-    figure.set_size_inches(PAGE_WIDTH, share * (PAGE_WIDTH - 0.8) + 0.9)
+    figure_of(axes).set_size_inches(PAGE_WIDTH, share * (PAGE_WIDTH - 0.8) + 0.9)
 
 
-def color_bar(figure: Figure, drawn: ScalarMappable, axes: Axes, label: str) -> None:
+def color_bar(drawn: ScalarMappable, axes: Axes, label: str) -> None:
     """The scale of colours beside the axes, in the words of `tidy`."""
-    scale = figure.colorbar(drawn, ax=axes, shrink=0.8)
+    scale = figure_of(axes).colorbar(drawn, ax=axes, shrink=0.8)
     scale.set_label(label, fontsize=LABEL, color=SOFT)
     scale.outline.set_visible(False)
     scale.ax.tick_params(colors=SOFT, labelsize=TICK, length=0)
 
 
-def fit_page(figure: Figure, axes: Axes) -> None:
+def fit_page(axes: Axes) -> None:
     """Make the page as wide and high as the only axes, in which lengths are alike, ask for: 8 in at most."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     longest = 8.0 / max(right - left, top - bottom)  # [in/m], and words need some room
-    figure.set_size_inches(max(4.0, longest * (right - left)), max(3.0, longest * (top - bottom)) + 0.9)
+    size = max(4.0, longest * (right - left)), max(3.0, longest * (top - bottom)) + 0.9
+    figure_of(axes).set_size_inches(*size)
 
 
 def tidy(axes: Axes, xlabel: str, ylabel: str) -> None:
@@ -358,10 +370,18 @@ def bounds(rover: Rover) -> tuple[Floats, Floats, float]:
     return low, high, float(np.hypot(*(high - low))) / 2
 
 
-def write_title(axes: Axes, title: str | None, below: str) -> None:
-    """Quiet lines above the picture, no longer than it is wide, and a bold title over them."""
-    figure: Any = axes.figure
+def write(
+    axes: Axes, words: str, place: tuple[Any, Any], shift: tuple[float, float], size: float, **look: Any
+) -> None:
+    """Words of a size [pt], so many points from a place; `look` as of matplotlib's ``annotate``."""
+    axes.annotate(words, place, shift, textcoords="offset points", fontsize=size, **{"color": INK} | look)
+
+
+def with_title(axes: Axes, title: str | None, below: str) -> Figure:
+    """The figure of axes, with quiet lines above them, no longer than it is wide, and a bold title."""
+    figure = figure_of(axes)
     room = int(LETTERS * figure.bbox.width / figure.dpi * (1.0 - axes.get_position().x0))
     lines = [piece for line in below.splitlines() for piece in textwrap.wrap(line, max(room, 40))]
     axes.set_title("\n".join(lines), loc="left", fontsize=LABEL, color=SOFT)
     write_heading(figure, title)
+    return figure

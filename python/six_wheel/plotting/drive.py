@@ -22,12 +22,12 @@ from six_wheel.plotting.drawing import (
     INK,
     LABEL,
     MOTION,
-    PAGE_WIDTH,
     RECORDED,
     SOFT,
     draw_legend,
-    new_figure,
+    page_figure,
     tidy,
+    write,
     write_heading,
 )
 from six_wheel.plotting.path import draw_path, path_figure
@@ -60,14 +60,8 @@ def draw_course(
 ) -> list[Axes]:
     """Draw panels over time below each other: twists, joints against their limits, reasons.
 
-    Parameters
-    ----------
-    figure, grid
-        A figure, and the place in a grid of it where the panels go.
-    rover, course, limits
-        The rover, its course, and the limits it had to keep.
-    shares : mapping of str to float
-        Share of the time, 0 to 1, of every reason there was.
+    They go into a place in a grid of the figure. `shares` are those of the time, 0 to 1, of every reason
+    there was.
     """
     begin, low, high, bits = course.stretches()
     last = begin[-1] if len(begin) else 0.0
@@ -195,7 +189,7 @@ def drive_figure(
         Written above the picture.
     """
     heights = (0.5, 3.6, 7.0 + 0.17 * len(shares))  # [in]
-    figure = new_figure(PAGE_WIDTH, sum(heights) + 0.6)
+    figure = page_figure(sum(heights) + 0.6)
     grid = figure.add_gridspec(3, 1, height_ratios=heights)
     draw_key(figure.add_subplot(grid[0]), rover)
     path = figure.add_subplot(grid[1])
@@ -231,10 +225,8 @@ def _draw_limits(axes: Axes, lines: Sequence[float], low: Floats, high: Floats) 
     axes.set_ylim(bottom - room, top + room)
     if finite and not near:
         words = f"limits {', '.join(f'{line:.3g}' for line in finite)}, outside the picture"
-        axes.annotate(
-            words, (1, 1), (0, 1), "axes fraction", "offset points",
-            ha="right", va="bottom", fontsize=7.5, color=SOFT,
-        )  # fmt: skip
+        corner = {"xycoords": "axes fraction", "ha": "right", "va": "bottom"}
+        write(axes, words, (1, 1), (0, 1), 7.5, color=SOFT, **corner)
 
 
 def _draw_reasons(
@@ -255,10 +247,8 @@ def _draw_reasons(
         axes.broken_barh(spans, (place - 0.36, 0.72), facecolors=_colour(each), linewidth=0, zorder=2)
         share = shares[str(each.name)]
         words = f"{100 * share:.1f} %" if share >= 0.001 else "< 0.1 %"
-        axes.annotate(
-            words, (1, place), (4, 0), axes.get_yaxis_transform(), "offset points",
-            va="center", fontsize=7.5, color=SOFT, annotation_clip=False,
-        )  # fmt: skip
+        beside = {"xycoords": axes.get_yaxis_transform(), "va": "center", "annotation_clip": False}
+        write(axes, words, (1, place), (4, 0), 7.5, color=SOFT, **beside)
     axes.set_ylim(len(reasons) - 0.4 if reasons else 1.0, -0.6)
     axes.set_yticks(range(len(reasons)), [str(each.name) for each in reasons])
     for label in axes.get_yticklabels():

@@ -21,7 +21,7 @@ from six_wheel.plotting.drawing import (
     in_world,
     new_figure,
     tidy,
-    write_title,
+    with_title,
 )
 
 WIDTH, TIMELINE, STRIPS = PAGE_WIDTH, 1.9, 0.5  # [in]
@@ -65,7 +65,7 @@ def four_axle_figure(result: FourAxleSimulation, *, title: str | None = None) ->
     tidy(path, "x [m]", "y [m]")
     length = path_distance(poses)[-1]
     slip = float(result.residuals.max())
-    write_title(path, title, f"{length:.2f} m in {result.stamps[-1]:.1f} s   slip at most {slip:.0e} m/s")
+    with_title(path, title, f"{length:.2f} m in {result.stamps[-1]:.1f} s   slip at most {slip:.0e} m/s")
 
     _draw_angles(angles, result)
     _draw_brakes(brakes, result)

@@ -15,16 +15,15 @@ from six_wheel.kinematics.rover_edit import limits_given
 from six_wheel.plotting.drawing import (
     AXLE,
     FORBIDDEN,
-    INK,
-    PAGE_WIDTH,
     SERIES,
     SOFT,
     TICK,
     draw_legend,
-    new_figure,
     one_axes,
+    page_figure,
     tidy,
-    write_title,
+    with_title,
+    write,
 )
 from six_wheel.simulation.drive.performance import Rim, rim
 
@@ -65,7 +64,7 @@ def limits_figure(rover: Rover, limits: Limits, *, title: str | None = None) -> 
     found = rim(rover, limits)
     if found is None:
         raise ValueError(f"limits must bound every motion for a picture of them, got {limits}")
-    figure, axes = one_axes(4.8)
+    axes = one_axes(4.8)
     reach = MARGIN * np.abs(found.twists[:, (2, 0)]).max(axis=0)
     reach[reach == 0.0] = 1.0
     axes.set_xlim(reach[0], -reach[0])  # turning left is to the left
@@ -76,8 +75,7 @@ def limits_figure(rover: Rover, limits: Limits, *, title: str | None = None) -> 
     _write_radii(axes, rover, reach)
     tidy(axes, "yaw rate [rad/s], positive: left", "forward speed [m/s]")
     draw_legend(axes, handles=shown, loc="upper left", bbox_to_anchor=(1.0, 0.4))
-    write_title(axes, title, "what the rover can do, and the limit that binds")
-    return figure
+    return with_title(axes, title, "what the rover can do, and the limit that binds")
 
 
 def given_limits_figure(limits: Limits, *, title: str | None, rover: Rover | None = None) -> Figure:
@@ -87,7 +85,7 @@ def given_limits_figure(limits: Limits, *, title: str | None, rover: Rover | Non
     if rover is not None:
         return limits_figure(rover, limits, title=title)
     given = {name: value for name, value in limits_given(limits).items() if math.isfinite(value)}
-    figure = new_figure(PAGE_WIDTH, 3.8)
+    figure = page_figure(3.8)
     box, ramps = figure.subplots(1, 2)
     speed, yaw_rate = given.get("speed"), given.get("yaw_rate")
     right, top = 1.25 * (yaw_rate or 1.0), 1.25 * (speed or 1.0)
@@ -110,8 +108,7 @@ def given_limits_figure(limits: Limits, *, title: str | None, rover: Rover | Non
         ramps.text(0.5, 0.5, words, transform=ramps.transAxes, ha="center", color=SOFT, fontsize=TICK)
     tidy(ramps, "time from rest [s]", "speed [m/s], yaw rate [rad/s]")
     words = ", ".join(f"{name.replace('_', ' ')} {value:.3g}" for name, value in given.items())
-    write_title(box, title, f"given [m, s, rad]: {words or 'none'}")
-    return figure
+    return with_title(box, title, f"given [m, s, rad]: {words or 'none'}")
 
 
 def _fill(axes: Axes, found: Rim) -> list[Patch]:
@@ -148,7 +145,5 @@ def _write_radii(axes: Axes, rover: Rover, reach: Floats) -> None:
             ends = np.array([-1.0, 1.0]) * 2.0 * reach[0]
             axes.plot(ends, ends * radius * side, color=FORBIDDEN, linewidth=0.8, zorder=4)
         right = min(reach[0], reach[1] / radius)
-        axes.annotate(
-            f"{words} {radius:.3g} m", (-right, right * radius), color=INK, fontsize=8, annotation_clip=False,
-            xytext=(3, 0), textcoords="offset points", ha="left", va="center", zorder=5,
-        )  # fmt: skip
+        look = {"annotation_clip": False, "ha": "left", "va": "center", "zorder": 5}
+        write(axes, f"{words} {radius:.3g} m", (-right, right * radius), (3, 0), 8, **look)

@@ -16,14 +16,13 @@ from six_wheel.plotting.drawing import (
     LIKELY,
     MINUS,
     MOTION,
-    PAGE_WIDTH,
     SOFT,
     covariance_ellipse,
     draw_legend,
     few_rows,
-    new_figure,
+    page_figure,
     tidy,
-    write_title,
+    with_title,
 )
 
 ELLIPSES = 14
@@ -42,14 +41,14 @@ def reckoning_figure(result: Reckoned, *, title: str | None = None) -> Figure:
         Written above the picture, over the figures of the end.
     """
     known = result.evaluation is not None
-    figure = new_figure(PAGE_WIDTH, 8.4)
+    figure = page_figure(8.4)
     grid = figure.add_gridspec(3, 2, height_ratios=(2.4, 1.0, 1.0))
     path = figure.add_subplot(grid[0, :])
     draw_path(path, result)
     draw_key(figure, path)
     x, y, _ = result.pose
     words = f"{result.distance:.2f} m in {result.duration:.1f} s, ends at ({x:.3f}, {y:.3f}) m"
-    write_title(path, title, words.replace("-", MINUS))
+    with_title(path, title, words.replace("-", MINUS))
     _draw_error(figure.add_subplot(grid[1, 0] if known else grid[1, :]), result)
     if known:
         _draw_growth(figure.add_subplot(grid[1, 1]), result)

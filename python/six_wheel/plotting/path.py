@@ -22,7 +22,8 @@ from six_wheel.plotting.drawing import (
     in_world,
     one_axes,
     tidy,
-    write_title,
+    with_title,
+    write,
 )
 
 
@@ -45,11 +46,10 @@ def path_figure(rover: Rover, poses: ArrayLike, steering: ArrayLike, *, title: s
     ValueError
         If the shapes do not fit the rover and each other, or a pose is not finite.
     """
-    figure, axes = one_axes(7.0, 8.0)
+    axes = one_axes(7.0, 8.0)
     length = draw_path(axes, rover, poses, steering)
-    fit_page(figure, axes)
-    write_title(axes, title, f"{length:.2f} m")
-    return figure
+    fit_page(axes)
+    return with_title(axes, title, f"{length:.2f} m")
 
 
 def draw_path(
@@ -113,10 +113,8 @@ def draw_path(
     axes.set_aspect("equal")
     tidy(axes, "x [m]", "y [m]")
     if scale > 1.0:
-        axes.annotate(
-            f"rover drawn {scale:.1f} times its size", (1, 0), (-6, 6), "axes fraction", "offset points",
-            ha="right", va="bottom", fontsize=8, color=SOFT,
-        )  # fmt: skip
+        corner = {"xycoords": "axes fraction", "ha": "right", "va": "bottom"}
+        write(axes, f"rover drawn {scale:.1f} times its size", (1, 0), (-6, 6), 8, color=SOFT, **corner)
     return float(along[-1])
 
 

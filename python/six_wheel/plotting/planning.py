@@ -11,7 +11,7 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Costmap, Rover
-from six_wheel.plotting.drawing import INK, RECORDED, SOFT, fit_page, one_axes, write_title
+from six_wheel.plotting.drawing import INK, RECORDED, SOFT, fit_page, one_axes, with_title
 from six_wheel.plotting.path import draw_path
 
 
@@ -77,7 +77,7 @@ def plan_figure(
     ValueError
         If the shapes do not fit the rover and each other, or a pose is not finite.
     """
-    figure, axes = one_axes(6.0, 8.0)
+    axes = one_axes(6.0, 8.0)
     length = draw_path(axes, rover, poses, steering, count=8)
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     draw_costmap(axes, costmap)
@@ -88,6 +88,5 @@ def plan_figure(
         if asked.ndim != 2 or asked.shape[1] < 2:
             raise ValueError(f"path must have shape (m, 2 or more), got shape {asked.shape}")
         axes.plot(asked[:, 0], asked[:, 1], color=RECORDED, linewidth=2.5, alpha=0.8, zorder=1.5)
-    fit_page(figure, axes)
-    write_title(axes, title, f"{length:.2f} m")
-    return figure
+    fit_page(axes)
+    return with_title(axes, title, f"{length:.2f} m")

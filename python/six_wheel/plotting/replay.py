@@ -13,13 +13,12 @@ from six_wheel.plotting.drawing import (
     AXLE,
     CENTRE,
     FAINT,
-    PAGE_WIDTH,
     SOFT,
     draw_legend,
     few_rows,
-    new_figure,
+    page_figure,
     tidy,
-    write_title,
+    with_title,
 )
 
 SECOND = 1e9
@@ -38,7 +37,7 @@ def replay_figure(replayed: Replayed, *, title: str | None = None) -> Figure:
         Written above the picture.
     """
     difference = compare(replayed)
-    figure = new_figure(PAGE_WIDTH, 8.4)
+    figure = page_figure(8.4)
     grid = figure.add_gridspec(len(ROWS) + 2, 1, height_ratios=(2.4, *[1.0] * (len(ROWS) + 1)))
     ways = figure.add_subplot(grid[0])
     both = (difference.recorded, difference.again)
@@ -51,7 +50,7 @@ def replay_figure(replayed: Replayed, *, title: str | None = None) -> Figure:
     draw_legend(ways, fontsize=None)
     same = f"differ in {difference.differing:,} of {difference.common:,} steps"
     below = f"the commanded way; commands {'are the same bits' if difference.same_bits else same}"
-    write_title(ways, title, below)
+    with_title(ways, title, below)
     runs = (replayed.recorded, replayed.again)
     begin = float(min(run.times[0] for run in runs if len(run.times)))
     for row, (name, column) in enumerate(ROWS):

@@ -20,12 +20,11 @@ from six_wheel.plotting.drawing import (
     FORBIDDEN,
     INK,
     MOTION,
-    PAGE_WIDTH,
     SOFT,
     draw_legend,
-    new_figure,
+    page_figure,
     tidy,
-    write_title,
+    with_title,
 )
 
 # The last one drawn is the one that matters: it is green, what came before is purple, then quieter.
@@ -60,7 +59,7 @@ def track_figure(
     named = dict(tracks) if isinstance(tracks, Mapping) else {"estimate": tracks}
     pairs = {name: at_same_times(track, truth) for name, track in named.items()}
     wanted = as_poses("truth", next(iter(pairs.values()))[1])
-    figure = new_figure(PAGE_WIDTH, 7.0)
+    figure = page_figure(7.0)
     grid = figure.add_gridspec(2, 2, height_ratios=(2.0, 1.0))
     path = figure.add_subplot(grid[0, :])
     along, growth = figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
@@ -85,8 +84,7 @@ def track_figure(
     for axes in (along, growth):
         axes.set_ylim(bottom=0.0)
         axes.set_xlim(left=0.0)
-    write_title(path, title, "rms error " + ", ".join(said))
-    return figure
+    return with_title(path, title, "rms error " + ", ".join(said))
 
 
 def residual_figure(before: Floats, after: Floats, *, title: str | None = None) -> Figure:
@@ -99,11 +97,10 @@ def residual_figure(before: Floats, after: Floats, *, title: str | None = None) 
     title : str, optional
         Written above the picture.
     """
-    figure = new_figure(PAGE_WIDTH, 2.8)
+    figure = page_figure(2.8)
     panels = [figure.add_subplot(1, 3, number + 1) for number in range(3)]
     draw_residuals(panels, before, after)
-    write_title(panels[0], title, "errors of the motion over windows")
-    return figure
+    return with_title(panels[0], title, "errors of the motion over windows")
 
 
 def draw_residuals(panels: list[Axes], before: Floats, after: Floats) -> None:

@@ -34,13 +34,14 @@ from six_wheel.plotting.drawing import (
     contacts,
     draw_legend,
     draw_rover,
+    figure_of,
     headings,
     in_world,
     number,
     one_axes,
     page,
     tidy,
-    write_title,
+    with_title,
 )
 
 NAMES, UNITS = ("vx", "vy", "omega"), ("m/s", "m/s", "rad/s")
@@ -242,7 +243,7 @@ def _corner(axes: Axes, words: str, *, right: bool = False, color: str = CENTRE)
     axes.annotate(words, place, shift, "axes fraction", "offset points", ha=side, color=color, **WORDS)
 
 
-def draw_key(figure: Figure, rover: Rover, moving: bool) -> None:
+def draw_key(axes: Axes, rover: Rover, moving: bool) -> None:
     """Draw the legend of wedges, lines and arrows."""
     shown: list[Line2D | Patch] = []
     if any(wheel.steered for wheel in rover.wheels):
@@ -254,7 +255,7 @@ def draw_key(figure: Figure, rover: Rover, moving: bool) -> None:
         arrow = {"marker": r"$\rightarrow$", "markersize": 12, "linestyle": "none"}
         shown.append(Line2D([], [], color=MOTION, label="motion of the body, not to scale", **arrow))  # type: ignore[arg-type]
     look = {"fontsize": 8, "labelcolor": SOFT, "handlelength": 1.6, "columnspacing": 1.4}
-    draw_legend(figure, handles=shown, loc="outside lower left", ncols=4, **look)
+    draw_legend(figure_of(axes), handles=shown, loc="outside lower left", ncols=4, **look)
 
 
 def describe(twist: Floats) -> str:
@@ -306,7 +307,7 @@ def show_figure(rover: Rover, twist: ArrayLike, *, title: str | None = None) -> 
 
     left, right, bottom, top = view(low, high, size, icr, shown)
     width = 8.0  # [in], with labels of wheels
-    figure, axes = one_axes(width * (top - bottom) / (right - left) + 1.1, width)
+    axes = one_axes(width * (top - bottom) / (right - left) + 1.1, width)
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
     axes.set_aspect("equal")
@@ -328,6 +329,5 @@ def show_figure(rover: Rover, twist: ArrayLike, *, title: str | None = None) -> 
     elif moving:
         point_at(axes, icr)
     draw_labels(axes, rover, steering, speeds, lines)
-    draw_key(figure, rover, moving)
-    write_title(axes, title, describe(asked))
-    return figure
+    draw_key(axes, rover, moving)
+    return with_title(axes, title, describe(asked))

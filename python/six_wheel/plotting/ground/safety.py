@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from six_wheel.plotting.drawing import PAGE_WIDTH, color_bar, new_figure, tidy, write_title
+from six_wheel.plotting.drawing import color_bar, page_figure, tidy, with_title
 
 
 def traverse_figure(
@@ -30,7 +30,7 @@ def traverse_figure(
     wide, high = extent[1] - extent[0], extent[3] - extent[2]
     rows = 2 if wide > 1.3 * high else 1  # wide maps lie one above the other
     share = high / wide * (1.0 if rows == 2 else 0.5)
-    figure = new_figure(PAGE_WIDTH, rows * min(max(5.4 * share, 1.2), 6.0) + 1.2)
+    figure = page_figure(rows * min(max(5.4 * share, 1.2), 6.0) + 1.2)
     panels = figure.subplots(rows, 3 - rows, sharex=True, sharey=True)
     for axes, layer, name, colours, most in (
         (panels[0], safe, "share of safe headings [1]", "cividis", 1.0),
@@ -40,11 +40,10 @@ def traverse_figure(
         axes.set_facecolor("0.8")
         tidy(axes, "x [m]", "y [m]")
         axes.grid(False)
-        color_bar(figure, image, axes, name)
+        color_bar(image, axes, name)
     known = safe[np.isfinite(safe)]
     found = 100 * float(known.mean()) if known.size else math.nan
-    write_title(panels[0], title, f"{found:.1f} % of poses safe; grey: not known")
-    return figure
+    return with_title(panels[0], title, f"{found:.1f} % of poses safe; grey: not known")
 
 
 def traversed_figure(done: Any, *, title: str | None) -> Figure:

@@ -31,7 +31,8 @@ from six_wheel.plotting.drawing import (
     one_axes,
     page,
     tidy,
-    write_title,
+    with_title,
+    write,
 )  # fmt: skip
 from six_wheel.plotting.limits import limits_figure
 from six_wheel.plotting.twist import show_figure
@@ -62,9 +63,9 @@ def four_axle_figure(car: Any, *, title: str | None) -> Figure:
     return rover_figure(car.rover, title=title)
 
 
-def _axes(rover: Rover, steering: Floats | None) -> tuple[Figure, Axes, float]:
+def _axes(rover: Rover, steering: Floats | None) -> tuple[Axes, float]:
     """A page with the rover in its middle, and half its diagonal."""
-    figure, axes = one_axes(6.0)
+    axes = one_axes(6.0)
     draw_rover(axes, rover, (0.0, 0.0, FORWARD_UP), steering, fade=0.45)
     low, high, size = bounds(rover)
     axes.set_aspect("equal")
@@ -72,7 +73,7 @@ def _axes(rover: Rover, steering: Floats | None) -> tuple[Figure, Axes, float]:
         xlim=(low[0] - 0.9 * size, high[0] + 0.9 * size), ylim=(low[1] - 0.4 * size, high[1] + 0.4 * size)
     )
     tidy(axes, "to the right [m]", "forward [m]")
-    return figure, axes, size
+    return axes, size
 
 
 def fit_figure(fit: Any, *, title: str | None) -> Figure:
@@ -86,7 +87,7 @@ def fit_figure(fit: Any, *, title: str | None) -> Figure:
         figure = strips(np.arange(len(rows)), panels, title=title, below=f"residuals of {len(rows)} rows")
         figure.axes[-1].set_xlabel("row", fontsize=8, color=SOFT)
         return figure
-    figure, axes, size = _axes(fit.rover, None)
+    axes, size = _axes(fit.rover, None)
     residual, places = np.asarray(fit.residuals), page(contacts(fit.rover))
     residual = np.where(residual > ROUNDING, residual, 0.0)
     largest = max(float(np.nanmax(residual)), ROUNDING)
@@ -97,21 +98,13 @@ def fit_figure(fit: Any, *, title: str | None) -> Figure:
     twist = np.asarray(fit.twist)
     _arrow(axes, twist, size)
     worst = f"the worst wheel is {fit.worst_wheel}" if residual.any() else "no wheel contradicts another"
-    write_title(axes, title, f"{_told(twist)}; {worst}")
-    return figure
+    return with_title(axes, title, f"{_told(twist)}; {worst}")
 
 
 def _label(axes: Axes, place: Floats, words: str) -> None:
     """Words beside a wheel, on the side away from the body."""
     shift, side = (22, "left") if place[0] >= 0.0 else (-22, "right")
-    look: dict[str, Any] = {
-        "textcoords": "offset points",
-        "fontsize": 8.5,
-        "color": INK,
-        "va": "center",
-        "zorder": 9,
-    }
-    axes.annotate(words, tuple(place), (shift, 0), ha=side, **look)
+    write(axes, words, tuple(place), (shift, 0), 8.5, ha=side, va="center", zorder=9)
 
 
 def _arrow(axes: Axes, twist: Floats, size: float) -> None:
@@ -129,20 +122,19 @@ def _told(twist: Any) -> str:
 
 def output_figure(output: Any, *, title: str | None) -> Figure:
     """A `ControllerOutput`: the rover now, its motion, and why it is not the one asked for."""
-    figure, axes, size = _axes(output.rover, output.steering)
+    axes, size = _axes(output.rover, output.steering)
     _arrow(axes, np.asarray(output.twist), size)
     for name, place, speed in zip(
         output.rover.wheel_names, page(contacts(output.rover)), output.wheel_speeds, strict=True
     ):
         _label(axes, place, f"{name}\n{speed:.3g} rad/s")
     reasons = "|".join(str(reason.name) for reason in output.reasons) or "as commanded"
-    write_title(axes, title, f"{_told(output.twist)}\n{reasons}")
-    return figure
+    return with_title(axes, title, f"{_told(output.twist)}\n{reasons}")
 
 
 def mobility_figure(found: Any, *, title: str | None) -> Figure:
     """A `Mobility` or `FourAxleMobility`: each free motion as the path it makes, and the degrees in words."""
-    figure, axes = one_axes(5.0)
+    axes = one_axes(5.0)
     for place, motion in enumerate(np.atleast_2d(found.motion)):
         if not motion.size:
             continue
@@ -157,14 +149,13 @@ def mobility_figure(found: Any, *, title: str | None) -> Figure:
             axes.plot(-vx / omega, -vy / omega, "o", color=CENTRE, markersize=8)
     axes.plot(0, 0, "+", color=INK, markersize=14)
     axes.margins(0.2)
-    equal_scales(figure, axes)
+    equal_scales(axes)
     tidy(axes, "to the right [m]", "forward [m]")
     steer = getattr(found, "degree_of_steerability", None)
     words = f"degree of mobility {found.degree_of_mobility}" + (
         "" if steer is None else f", of steerability {steer}"
     )
-    write_title(axes, title, f"{words}; free motions, and their centres of rotation (dots)")
-    return figure
+    return with_title(axes, title, f"{words}; free motions, and their centres of rotation (dots)")
 
 
 def pose_figure(state: Any, *, title: str | None) -> Figure:
@@ -176,7 +167,7 @@ def pose_figure(state: Any, *, title: str | None) -> Figure:
     if pose.shape == (4, 4):
         pose = np.array((pose[0, 3], pose[1, 3], math.atan2(pose[1, 0], pose[0, 0])))
     x, y, yaw = pose[0], pose[1], pose[-1]
-    figure, axes = one_axes(5.4)
+    axes = one_axes(5.4)
     ellipse = covariance_ellipse(pose, covariance[:2, :2], facecolor=AXLE, alpha=0.25, edgecolor=AXLE)
     axes.add_patch(ellipse)
     reach = max(0.5, 0.7 * ellipse.width)
@@ -186,7 +177,7 @@ def pose_figure(state: Any, *, title: str | None) -> Figure:
         axes.plot([x, end[0]], [y, end[1]], color=MOTION, linewidth=1.6, linestyle=style)
     axes.plot(x, y, "o", color=INK, markersize=6)
     axes.set(xlim=(x - reach, x + reach), ylim=(y - 0.6 * reach, y + 0.6 * reach))
-    equal_scales(figure, axes)
+    equal_scales(axes)
     tidy(axes, "x [m]", "y [m]")
     deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))[[0, 1, -1]]
     words = ", ".join(
@@ -195,14 +186,13 @@ def pose_figure(state: Any, *, title: str | None) -> Figure:
             ("x", "y", "yaw"), (x, y, yaw), deviations, ("m", "m", "rad"), strict=True
         )
     )
-    write_title(axes, title, f"{words} (ellipse and dotted: 95 %)")
-    return figure
+    return with_title(axes, title, f"{words} (ellipse and dotted: 95 %)")
 
 
 def wheel_figure(wheel: Any, *, title: str | None) -> Figure:
     """A `Wheel`: its pivot, its contact, scrub and trail with their numbers."""
     one = Rover([wheel, *_beside(wheel)])
-    figure, axes = one_axes(5.0)
+    axes = one_axes(5.0)
     draw_rover(axes, one, (0.0, 0.0, FORWARD_UP), fade=0.0, body_color="#ffffff")
     pivot, contact = page(np.array((wheel.x, wheel.y))), page(contacts(one))[0]
     axes.plot(*pivot, "o", color=CENTRE, markersize=8, zorder=9, label="pivot")
@@ -214,8 +204,7 @@ def wheel_figure(wheel: Any, *, title: str | None) -> Figure:
     draw_legend(axes, fontsize=9)
     numbers = ", ".join(f"{name} {getattr(wheel, name):g}" for name in ("x", "y", "radius", "scrub", "trail"))
     words = f"{wheel.name}: {numbers} m"
-    write_title(axes, title, words)
-    return figure
+    return with_title(axes, title, words)
 
 
 def _beside(wheel: Any) -> list[Any]:

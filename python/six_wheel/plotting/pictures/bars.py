@@ -15,16 +15,16 @@ from six_wheel.plotting.drawing import (
     INK,
     LABEL,
     MOTION,
-    PAGE_WIDTH,
     SERIES,
     SOFT,
     TICK,
     draw_legend,
-    new_figure,
     number,
     one_axes,
+    page_figure,
     tidy,
-    write_title,
+    with_title,
+    write,
 )
 from six_wheel.plotting.four_axle import NAMES
 
@@ -43,7 +43,7 @@ def jacobian_bars(found: Any, *, title: str | None) -> Figure:
     ]
     columns = 2
     rows = -(-len(known) // columns)
-    figure = new_figure(PAGE_WIDTH, 0.8 + 1.5 * rows)
+    figure = page_figure(0.8 + 1.5 * rows)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, name in zip(panels, known, strict=False):
         table = np.asarray(getattr(found, name), dtype=float)
@@ -85,7 +85,7 @@ def named_bars(
     bad: frozenset[str] = frozenset(),
 ) -> Figure:
     """A row for each name with its number at the bar; those that are bad in another colour, hatched."""
-    figure, axes = one_axes(1.2 + 0.36 * len(values))
+    axes = one_axes(1.2 + 0.36 * len(values))
     number_bars(axes, values, LABEL, bad=bad, hatch="///", color=MOTION, edgecolor="white")
     axes.axvline(0.0, color=SOFT, linewidth=0.8)
     axes.margins(x=0.15)
@@ -93,8 +93,7 @@ def named_bars(
         axes.set_xlim(-1.0, 1.0)
     tidy(axes, unit, "")
     axes.tick_params(axis="y", labelsize=LABEL, labelcolor=INK)
-    write_title(axes, title, below)
-    return figure
+    return with_title(axes, title, below)
 
 
 def axle_bars(state: Any, *, title: str | None) -> Figure:
@@ -116,7 +115,7 @@ def bounds_bars(found: Any, *, title: str | None) -> Figure:
     """`PoseBounds`: the interval of every quantity; of several poses their hull."""
     lengths = ("z", "clearance", "wheel_drop")
     names = ("z", "roll", "pitch", "tilt", "clearance", "rocker", "wheel_drop")
-    figure, axes = one_axes(3.6)
+    axes = one_axes(3.6)
     for place, name in enumerate(names):
         ends = np.asarray(getattr(found, name), dtype=float).reshape(-1, 2)
         low, high = np.nanmin(ends[:, 0], initial=np.inf), np.nanmax(ends[:, 1], initial=-np.inf)
@@ -124,17 +123,14 @@ def bounds_bars(found: Any, *, title: str | None) -> Figure:
             continue
         axes.plot([low, high], [place, place], color=AXLE, linewidth=7, solid_capstyle="butt")
         words = f"{number(low, '.3g')} to {number(high, '.3g')} {'m' if name in lengths else 'rad'}"
-        axes.annotate(
-            words, (high, place), (6, 0), textcoords="offset points", va="center", fontsize=9, color=INK
-        )
+        write(axes, words, (high, place), (6, 0), 9, va="center")
     axes.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
     axes.invert_yaxis()
     axes.axvline(0.0, color=SOFT, linewidth=0.8)
     axes.margins(x=0.3)
     tidy(axes, "interval [m or rad]", "")
     status = np.unique(np.asarray(found.status).astype(str))
-    write_title(axes, title, f"bounds of a pose: {', '.join(status)}")
-    return figure
+    return with_title(axes, title, f"bounds of a pose: {', '.join(status)}")
 
 
 def feasible_bars(found: Any, *, title: str | None) -> Figure:
@@ -159,7 +155,7 @@ def slip_bars(found: Any, *, title: str | None) -> Figure:
     """A `BodySlip`: the slip by component, and its statistic beside the threshold."""
     slip = np.atleast_1d(found.slip)
     names = TWIST if len(slip) == 3 else COMPONENTS[: len(slip)]
-    figure = new_figure(PAGE_WIDTH, 1.5 + 0.3 * max(len(slip), 2))
+    figure = page_figure(1.5 + 0.3 * max(len(slip), 2))
     parts, test = figure.subplots(1, 2)
     tests = {"statistic": found.statistic, "threshold": found.threshold}
     for axes, values, words in (
@@ -171,5 +167,4 @@ def slip_bars(found: Any, *, title: str | None) -> Figure:
         axes.margins(x=0.25)
         tidy(axes, words, "")
     words = "the rover slips" if found.slipping else "no more than noise"
-    write_title(parts, title, f"{words}, probability {found.probability:.2g}")
-    return figure
+    return with_title(parts, title, f"{words}, probability {found.probability:.2g}")

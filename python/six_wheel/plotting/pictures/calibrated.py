@@ -14,13 +14,13 @@ from six_wheel.plotting.drawing import (
     INK,
     LABEL,
     MOTION,
-    PAGE_WIDTH,
     SOFT,
     draw_legend,
-    new_figure,
     number,
+    page_figure,
     tidy,
-    write_title,
+    with_title,
+    write,
 )
 from six_wheel.plotting.tracks import draw_residuals
 
@@ -30,7 +30,7 @@ RUNS = 12  # that are drawn
 def calibration_figure(found: Any, *, title: str | None) -> Figure:
     """A `Calibration`: values beside the nominal ones, errors before and after, what was left out as slip."""
     rows = max(len(found.parameters), min(len(found.runs), RUNS), 2)
-    figure = new_figure(PAGE_WIDTH, 1.4 + 0.32 * rows + 2.4)
+    figure = page_figure(1.4 + 0.32 * rows + 2.4)
     grid = figure.add_gridspec(2, 6, height_ratios=(0.32 * rows + 0.6, 2.0))
     values, errors = figure.add_subplot(grid[0, :3]), figure.add_subplot(grid[0, 3:])
     _draw_values(values, found)
@@ -42,8 +42,7 @@ def calibration_figure(found: Any, *, title: str | None) -> Figure:
     )
     left_out = [f"left out as slip: {line}" for line in found.slips] or ["nothing was left out as slip"]
     words = f"intervals of {100 * found.confidence:g} %; errors of windows below"
-    write_title(values, title, "\n".join([words, *left_out[:3]]))
-    return figure
+    return with_title(values, title, "\n".join([words, *left_out[:3]]))
 
 
 def _draw_values(axes: Axes, found: Any) -> None:
@@ -60,17 +59,14 @@ def _draw_values(axes: Axes, found: Any) -> None:
         else:
             axes.plot(change, place, "x", color=FORBIDDEN, markersize=7, markeredgewidth=2)
             words = "not identified"
-        axes.annotate(words, (change, place), (0, 8), **WORDS)
-        axes.annotate(shown, (0.0, place), (-6, 0), xycoords=("axes fraction", "data"), ha="right", **BESIDE)
+        write(axes, words, (change, place), (0, 8), 8, ha="center")
+        beside: dict[str, Any] = {"xycoords": ("axes fraction", "data"), "ha": "right", "va": "center"}
+        write(axes, shown, (0.0, place), (-6, 0), LABEL, **beside)
     axes.axvline(0.0, color=SOFT, linewidth=0.8)
     axes.set_ylim(len(found.parameters) - 0.4, -0.7)
     axes.set_yticks([])
     axes.margins(x=0.2)
     tidy(axes, "change from the nominal value [%]", "")
-
-
-WORDS: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "fontsize": 8, "color": INK}
-BESIDE: dict[str, Any] = {"textcoords": "offset points", "va": "center", "fontsize": LABEL, "color": INK}
 
 
 def _draw_runs(axes: Axes, runs: Any) -> None:

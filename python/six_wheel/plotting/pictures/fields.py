@@ -23,7 +23,7 @@ from six_wheel.plotting.drawing import (
     number,
     one_axes,
     tidy,
-    write_title,
+    with_title,
 )
 from six_wheel.plotting.planning import draw_costmap
 
@@ -67,27 +67,25 @@ def draw_ground(axes: Axes, ground: Terrain) -> None:
 
 def terrain_figure(ground: Terrain, *, title: str | None) -> Figure:
     """A `Terrain`: relief with contour lines [m]."""
-    figure, axes = one_axes(6.0)
+    axes = one_axes(6.0)
     draw_ground(axes, ground)
-    equal_scales(figure, axes)
+    equal_scales(axes)
     tidy(axes, "x [m]", "y [m]")
     heights = np.asarray(ground.heights)
     rows, columns = heights.shape
     low, high = (number(float(end(heights)), ".3g") for end in (np.nanmin, np.nanmax))
     words = f"{rows} x {columns} nodes, contour lines: heights {low} to {high} m"
-    write_title(axes, title, words)
-    return figure
+    return with_title(axes, title, words)
 
 
 def costmap_figure(costmap: Costmap, *, title: str | None) -> Figure:
     """A `Costmap`: costs in grey, what is lethal dark and hatched."""
-    figure, axes = one_axes(6.0)
+    axes = one_axes(6.0)
     _draw_costs(axes, costmap)
-    color_bar(figure, axes.images[0], axes, "cost [1]")
+    color_bar(axes.images[0], axes, "cost [1]")
     values = costmap.values
     frame = "" if costmap.frame is None else f" in frame {costmap.frame}"
-    write_title(axes, title, f"{values.shape[0]} x {values.shape[1]} cells{frame}; lethal ones hatched")
-    return figure
+    return with_title(axes, title, f"{values.shape[0]} x {values.shape[1]} cells{frame}; lethal ones hatched")
 
 
 def _draw_costs(axes: Axes, costmap: Costmap) -> None:
@@ -101,23 +99,22 @@ def _draw_costs(axes: Axes, costmap: Costmap) -> None:
 
 def plan_path_figure(plan: Any, *, title: str | None, costmap: Costmap | None = None) -> Figure:
     """An `MppiPlan`: the poses it leads to, over a costmap where one is given, and their motion."""
-    figure, axes = one_axes(5.0)
+    axes = one_axes(5.0)
     _draw_poses(axes, np.asarray(plan.poses))
-    _over_costs(figure, axes, costmap)
+    _over_costs(axes, costmap)
     tidy(axes, "x [m]", "y [m]")
     vx, vy, omega = plan.twist
     words = f"now vx {vx:.3g} m/s, vy {vy:.3g} m/s, omega {omega:.3g} rad/s; cost {plan.cost:.3g}"
-    write_title(axes, title, f"{words}\n{plan.reason}" if plan.reason else words)
-    return figure
+    return with_title(axes, title, f"{words}\n{plan.reason}" if plan.reason else words)
 
 
-def _over_costs(figure: Figure, axes: Axes, costmap: Costmap | None) -> None:
+def _over_costs(axes: Axes, costmap: Costmap | None) -> None:
     """Both axes at one scale around what is drawn, with a margin of `BESIDE`, and the costs beneath it."""
     if costmap is not None:
         (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
         _draw_costs(axes, costmap)
         axes.set(xlim=(left - BESIDE, right + BESIDE), ylim=(low - BESIDE, high + BESIDE))
-    equal_scales(figure, axes, LEAST)
+    equal_scales(axes, LEAST)
 
 
 def _draw_poses(axes: Axes, poses: Any) -> None:
@@ -130,7 +127,7 @@ def _draw_poses(axes: Axes, poses: Any) -> None:
     axes.plot(*poses[0, :2], "o", color="white", markeredgecolor=INK, markersize=7, zorder=7)
 
 
-def _draw_rollouts(axes: Axes, figure: Figure, paths: Any, costs: Any, words: str) -> None:
+def _draw_rollouts(axes: Axes, paths: Any, costs: Any, words: str) -> None:
     """Paths (k, t, 2 or 3) coloured by a number, the smallest on top."""
     order = np.argsort(-np.asarray(costs))
     order = order[np.linspace(0, len(order) - 1, min(len(order), ROLLOUTS)).astype(int)]
@@ -138,7 +135,7 @@ def _draw_rollouts(axes: Axes, figure: Figure, paths: Any, costs: Any, words: st
     lines.set_array(np.asarray(costs)[order])
     axes.add_collection(lines)
     axes.autoscale_view()
-    color_bar(figure, lines, axes, words)
+    color_bar(lines, axes, words)
 
 
 def planner_figure(
@@ -153,31 +150,29 @@ def planner_figure(
     if costmap is not None and plan is None:
         raise TypeError("costmap must come with plan, the result of the step: it says where the rover was")
     start = (0.0, 0.0, 0.0) if plan is None else plan.poses[0]
-    figure, axes = one_axes(5.4)
+    axes = one_axes(5.4)
     if len(planner.costs):
         paths = np.asarray(rollout(planner.wishes, planner.dt, start))
-        _draw_rollouts(axes, figure, paths, planner.costs, "cost of a rollout [1]")
+        _draw_rollouts(axes, paths, planner.costs, "cost of a rollout [1]")
     if plan is None:
         _draw_poses(axes, np.asarray(rollout(planner.state["controls"][None], planner.dt))[0])
         words = ("ahead of the rover [m]", "to its left [m]")
     else:
         _draw_poses(axes, np.asarray(plan.poses))
         words = ("x [m]", "y [m]")
-    _over_costs(figure, axes, costmap)
+    _over_costs(axes, costmap)
     tidy(axes, *words)
     below = f"{planner.samples} rollouts of {planner.horizon} steps as they were sampled; green: the plan"
-    write_title(axes, title, f"{below}\n{plan.reason}" if plan is not None and plan.reason else below)
-    return figure
+    return with_title(axes, title, f"{below}\n{plan.reason}" if plan is not None and plan.reason else below)
 
 
 def rollouts_figure(found: Any, *, title: str | None, costmap: Costmap | None = None) -> Figure:
     """A `RolloutCost`: its paths, by the largest speed of a wheel, over a costmap where one is given."""
     poses = np.asarray(found.poses).reshape(-1, *np.shape(found.poses)[-2:])
     speeds = np.asarray(found.max_wheel_speed).ravel()
-    figure, axes = one_axes(5.0)
-    _draw_rollouts(axes, figure, poses, speeds, "largest wheel speed [rad/s]")
-    _over_costs(figure, axes, costmap)
+    axes = one_axes(5.0)
+    _draw_rollouts(axes, poses, speeds, "largest wheel speed [rad/s]")
+    _over_costs(axes, costmap)
     tidy(axes, "x [m]", "y [m]")
-    write_title(axes, title, f"{len(poses)} rollouts")
     axes.plot(*poses[0, 0, :2], "o", color=CENTRE, markeredgecolor=SOFT, zorder=6)
-    return figure
+    return with_title(axes, title, f"{len(poses)} rollouts")

@@ -16,13 +16,12 @@ from six_wheel.plotting.drawing import (
     INK,
     MINUS,
     MOTION,
-    PAGE_WIDTH,
     draw_legend,
     equal_scales,
-    new_figure,
     one_axes,
+    page_figure,
     tidy,
-    write_title,
+    with_title,
 )
 from six_wheel.plotting.pictures.fields import LEAST, draw_ground
 from six_wheel.plotting.pictures.strips import log_strips
@@ -30,7 +29,7 @@ from six_wheel.plotting.pictures.strips import log_strips
 
 def truth_figure(truth: Any, *, title: str | None) -> Figure:
     """A `GroundTruth`: its path; of headings alone their values over time."""
-    figure, axes = one_axes(5.4)
+    axes = one_axes(5.4)
     if not truth.has_positions:
         axes.plot(truth.stamps - truth.stamps[0], truth.poses[:, 2], color=MOTION)
         tidy(axes, "time [s]", "yaw [rad]")
@@ -40,12 +39,11 @@ def truth_figure(truth: Any, *, title: str | None) -> Figure:
             axes.plot(*piece[:, :2].T, color=MOTION, linewidth=1.6)
         axes.plot(*truth.poses[0, :2], "o", color="white", markeredgecolor=INK, markersize=7)
         axes.plot(*truth.poses[-1, :2], "o", color=INK, markersize=7)
-        equal_scales(figure, axes, LEAST)
+        equal_scales(axes, LEAST)
         tidy(axes, "x [m]", "y [m]")
-    write_title(
+    return with_title(
         axes, title, f"{len(truth)} poses in {truth.stamps[-1] - truth.stamps[0]:.1f} s; dark: the end"
     )
-    return figure
 
 
 def track_figure(track: Track, *, title: str | None, truth: Reference | None = None) -> Figure:
@@ -67,13 +65,13 @@ def log_figure(log: Any, *, title: str | None) -> Figure:
 
 def track3_figure(track: Any, *, title: str | None) -> Figure:
     """A `Track3`: its path from above, with its height along the way."""
-    figure = new_figure(PAGE_WIDTH, 7.0)
+    figure = page_figure(7.0)
     grid = figure.add_gridspec(2, 1)
     above, profile = figure.add_subplot(grid[0]), figure.add_subplot(grid[1])
     above.plot(*track.positions[:, :2].T, color=MOTION, linewidth=1.6)
     above.plot(*track.positions[0, :2], "o", color="white", markeredgecolor=INK, markersize=7)
     above.plot(*track.positions[-1, :2], "o", color=INK, markersize=7)
-    equal_scales(figure, above, LEAST)
+    equal_scales(above, LEAST)
     figure.set_figheight(figure.get_figheight() + 1.8)
     grid.set_height_ratios((figure.get_figheight() - 2.2, 1.6))
     steps = np.hypot(*np.diff(track.positions[:, :2], axis=0).T)
@@ -87,8 +85,7 @@ def track3_figure(track: Any, *, title: str | None) -> Figure:
     tidy(profile, "distance in plan [m]", "height, 95 % [m]")
     rows, (x, y, z) = len(track), track.positions[-1]
     words = f"{rows} rows, {distance[-1]:.2f} m in plan, ends at ({x:.3f}, {y:.3f}, {z:.3f}) m; dark: the end"
-    write_title(above, title, words.replace("-", MINUS))
-    return figure
+    return with_title(above, title, words.replace("-", MINUS))
 
 
 def drive_figure(drive: Any, *, title: str | None) -> Figure:
@@ -96,7 +93,7 @@ def drive_figure(drive: Any, *, title: str | None) -> Figure:
     from six_wheel._core import RockerBogie
     from six_wheel.plotting.ground.run import FRAMES, _draw_film
 
-    figure = new_figure(PAGE_WIDTH, 6.0)
+    figure = page_figure(6.0)
     grid = figure.add_gridspec(2, FRAMES)
     axes = figure.add_subplot(grid[0, :])
     draw_ground(axes, drive.stand.ground)
@@ -106,9 +103,9 @@ def drive_figure(drive: Any, *, title: str | None) -> Figure:
     axes.plot(*poses[-1, :2], "o", color=INK, markersize=7, zorder=6)
     (left, low), (right, high) = poses[:, :2].min(axis=0) - 1.0, poses[:, :2].max(axis=0) + 1.0
     axes.set(xlim=(left, right), ylim=(low, high))
-    equal_scales(figure, axes)
+    equal_scales(axes)
     tidy(axes, "x [m]", "y [m]")
-    write_title(axes, title, f"{drive.duration:.1f} s over ground; below from the left at six times")
+    with_title(axes, title, f"{drive.duration:.1f} s over ground; below from the left at six times")
     if isinstance(drive.stand.suspension, RockerBogie):
         grid.set_height_ratios((figure.get_figheight(), 1.0))
         figure.set_figheight(figure.get_figheight() + 1.0)
@@ -119,7 +116,7 @@ def drive_figure(drive: Any, *, title: str | None) -> Figure:
 
 def evaluation_figure(found: Any, *, title: str | None) -> Figure:
     """An `Evaluation`: the error over the true distance, its histogram, its growth over stretches."""
-    figure = new_figure(PAGE_WIDTH, 5.6)
+    figure = page_figure(5.6)
     grid = figure.add_gridspec(2, 2)
     errors, counts, growth = (figure.add_subplot(place) for place in (grid[0, :], grid[1, 0], grid[1, 1]))
     first, aligned = found.first.position, found.aligned.position
@@ -132,17 +129,15 @@ def evaluation_figure(found: Any, *, title: str | None) -> Figure:
     tidy(errors, "distance driven [m]", "error [m]")
     tidy(counts, "error [m]", "poses")
     tidy(growth, "length of a stretch [m]", "error over it, rms [m]")
-    write_title(errors, title, repr(found).removeprefix("Evaluation(").removesuffix(")"))
-    return figure
+    return with_title(errors, title, repr(found).removeprefix("Evaluation(").removesuffix(")"))
 
 
 def twist_path_figure(twist: Any, *, title: str | None) -> Figure:
     """A `Twist`: the arc it makes in a second."""
-    figure, axes = one_axes(5.0)
+    axes = one_axes(5.0)
     poses = np.asarray(integrate(np.tile(np.asarray(twist, dtype=float), (60, 1)), 1.0 / 60.0))
     axes.plot(*poses[:, :2].T, color=MOTION, linewidth=2.2)
     axes.plot(0, 0, "o", color="white", markeredgecolor=INK, markersize=7)
-    equal_scales(figure, axes, LEAST)
+    equal_scales(axes, LEAST)
     tidy(axes, "forward [m]", "to the left [m]")
-    write_title(axes, title, "the path of one second")
-    return figure
+    return with_title(axes, title, "the path of one second")

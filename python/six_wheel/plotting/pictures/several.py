@@ -14,11 +14,11 @@ from six_wheel.plotting.drawing import (
     SERIES,
     draw_legend,
     equal_scales,
-    new_figure,
     one_axes,
+    page_figure,
     tidy,
+    with_title,
     write_heading,
-    write_title,
 )
 from six_wheel.plotting.pictures.fields import LEAST
 
@@ -48,17 +48,16 @@ def path_of(result: Any) -> Any:
 
 def paths_figure(results: Sequence[Any], *, title: str | None) -> Figure:
     """Several paths in one picture."""
-    figure, axes = one_axes(5.6)
+    axes = one_axes(5.6)
     for number, one in enumerate(results):
         style = ("-", "--", ":")[number % 3]
         label = getattr(one, "name", "") or f"{type(one).__name__} {number + 1}"
         x, y = path_of(one)[:, :2].T
         axes.plot(x, y, color=SERIES[number % len(SERIES)], linestyle=style, linewidth=1.6, label=label)
-    equal_scales(figure, axes, LEAST)
+    equal_scales(axes, LEAST)
     draw_legend(axes)
     tidy(axes, "x [m]", "y [m]")
-    write_title(axes, title, f"{len(results)} paths")
-    return figure
+    return with_title(axes, title, f"{len(results)} paths")
 
 
 def stacked(pictures: Sequence[Figure], kinds: Sequence[type], *, title: str | None) -> Figure:
@@ -75,7 +74,7 @@ def stacked(pictures: Sequence[Figure], kinds: Sequence[type], *, title: str | N
         image: NDArray[np.uint8] = np.asarray(picture.canvas.buffer_rgba())  # type: ignore[attr-defined]
         images.append(image)
     heights = [image.shape[0] / image.shape[1] for image in images]
-    figure = new_figure(PAGE_WIDTH, PAGE_WIDTH * sum(heights) + (0.0 if title is None else 0.4))
+    figure = page_figure(PAGE_WIDTH * sum(heights) + (0.0 if title is None else 0.4))
     write_heading(figure, title)
     panels = figure.subplots(len(images), 1, height_ratios=heights, squeeze=False)[:, 0]
     for frame, image in zip(panels, images, strict=True):

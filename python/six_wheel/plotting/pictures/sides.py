@@ -22,11 +22,12 @@ from six_wheel.plotting.drawing import (
     SOFT,
     WHEEL,
     equal_scales,
-    new_figure,
     number,
     one_axes,
+    page_figure,
     tidy,
-    write_title,
+    with_title,
+    write,
 )
 from six_wheel.plotting.ground.side import along_heading, draw_ground_line, draw_side_view, on_level_ground
 from six_wheel.plotting.pictures.strips import strips
@@ -46,15 +47,14 @@ def stand_figure(stand: Any, *, title: str | None) -> Figure:
         figure = strips(rows, panels, title=title, below=repr(stand))
         figure.axes[-1].set_xlabel("pose", fontsize=LABEL, color=SOFT)
         return figure
-    figure, axes = one_axes(4.6)
+    axes = one_axes(4.6)
     if stand.stands:
         _draw(axes, stand)
-        equal_scales(figure, axes)
+        equal_scales(axes)
     tidy(axes, "along the heading [m]", "height [m]")
     roll, pitch, z = (number(value, ".3f") for value in (stand.roll, stand.pitch, stand.z))
     words = f"{stand.status}: roll {roll} rad, pitch {pitch} rad, z {z} m"
-    write_title(axes, title, words if stand.stands else f"{stand.status}: {stand.reason}")
-    return figure
+    return with_title(axes, title, words if stand.stands else f"{stand.status}: {stand.reason}")
 
 
 def _draw(axes: Axes, stand: Any) -> None:
@@ -76,13 +76,13 @@ def _draw(axes: Axes, stand: Any) -> None:
 def suspension_figure(arm: Suspension, *, title: str | None) -> Figure:
     """A `Suspension`: on level ground, from the left with its vectors by name, and from behind."""
     stand = on_level_ground(arm)
-    figure = new_figure(PAGE_WIDTH, 6.4)
+    figure = page_figure(6.4)
     side, behind = figure.subplots(2, 1)
     _draw(side, stand)
     dimensions = getattr(arm, "dimensions", {})
     if isinstance(arm, RockerBogie):
         _name_vectors(side, stand, dimensions)
-    equal_scales(figure, side)
+    equal_scales(side)
     tall = figure.get_figheight()
     centres, contacts = np.asarray(stand.wheel_centres), np.asarray(stand.contacts)
     radii = np.linalg.norm(contacts - centres, axis=1)
@@ -93,8 +93,8 @@ def suspension_figure(arm: Suspension, *, title: str | None) -> Figure:
         behind.fill(*(box - (centre[1], 0.0)).T, facecolor=BODY, edgecolor=WHEEL, linewidth=1.5, alpha=0.8)
     behind.axhline(0.0, color=INK, linewidth=1)
     behind.plot(0.0, stand.z, "+", color=CENTRE, markersize=12)
-    behind.annotate("origin of the body", (0.0, stand.z), (8, 6), **WORDS)
-    equal_scales(figure, behind)
+    write(behind, "origin of the body", (0.0, stand.z), (8, 6), 8, zorder=20)
+    equal_scales(behind)
     figure.set_size_inches(PAGE_WIDTH, tall + figure.get_figheight())
     tidy(side, "forward [m]", "height [m]")
     tidy(behind, "to the right, seen from behind [m]", "height [m]")
@@ -104,11 +104,7 @@ def suspension_figure(arm: Suspension, *, title: str | None) -> Figure:
         if np.ndim(value) == 0 and not isinstance(value, str | None)
     }
     words = "; ".join(f"{name} {number(value, '.3g')} m" for name, value in single.items())
-    write_title(side, title, words or repr(arm)[:100])
-    return figure
-
-
-WORDS: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8, "color": INK, "zorder": 20}
+    return with_title(side, title, words or repr(arm)[:100])
 
 
 def _name_vectors(axes: Axes, stand: Any, dimensions: Mapping[str, Any]) -> None:
@@ -161,7 +157,7 @@ def ground_motion_figure(found: Any, *, title: str | None, stand: SettledPose | 
         raise ValueError(
             f"stand must be that of {len(words)} wheels, got {len(stand.suspension.wheel_names)} wheels"
         )
-    figure = new_figure(PAGE_WIDTH, 3.6)
+    figure = page_figure(3.6)
     grid = figure.add_gridspec(2, len(known))
     side = figure.add_subplot(grid[0, :])
     _draw(side, stand)
@@ -176,28 +172,28 @@ def ground_motion_figure(found: Any, *, title: str | None, stand: SettledPose | 
             arrowprops={"arrowstyle": "-", "color": SOFT, "linewidth": 0.6, "alpha": 1.0 - 0.6 * (k % 2)},
         )  # fmt: skip
     side.set_ylim(top=top + 2.2 * row_height)
-    equal_scales(figure, side)
+    equal_scales(side)
     tall = figure.get_figheight()
     figure.set_size_inches(PAGE_WIDTH, tall + 1.7)
     grid.set_height_ratios([tall, 1.7])
     tidy(side, "along the heading [m]", "height [m]")
     _bars([figure.add_subplot(grid[1, k]) for k in range(len(known))], known)
-    write_title(side, title, f"{type(found).__name__}, from the left; lines to the right wheels are pale")
-    return figure
+    return with_title(
+        side, title, f"{type(found).__name__}, from the left; lines to the right wheels are pale"
+    )
 
 
 def motion_figure(found: Any, *, title: str | None, below: str = "") -> Figure:
     """A `Traction`, `SteeringCommand`, `WheelSlip` or another motion: bars by quantity."""
     known = _quantities(found)
-    figure = new_figure(PAGE_WIDTH, 0.7 + 1.7 * -(-len(known) // 2))
+    figure = page_figure(0.7 + 1.7 * -(-len(known) // 2))
     panels = figure.subplots(-(-len(known) // 2), min(len(known), 2), squeeze=False).ravel()
     _bars(panels, known)
     for axes in panels[len(known) :]:
         axes.set_visible(False)
     rows = next((len(getattr(found, name)) for name in known if np.ndim(getattr(found, name)) > 1), 1)
     words = type(found).__name__ if rows == 1 else f"{type(found).__name__}: means of {rows} rows"
-    write_title(panels[0], title, f"{words}\n{below}")
-    return figure
+    return with_title(panels[0], title, f"{words}\n{below}")
 
 
 def _quantities(found: Any) -> dict[str, Floats]:

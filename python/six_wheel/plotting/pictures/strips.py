@@ -15,14 +15,13 @@ from six_wheel.kinematics.poses import Floats
 from six_wheel.plotting.drawing import (
     FORBIDDEN,
     LABEL,
-    PAGE_WIDTH,
     SERIES,
     SOFT,
     draw_legend,
-    new_figure,
     number,
+    page_figure,
     tidy,
-    write_title,
+    with_title,
 )
 
 HEIGHT = 1.5  # [in] of a strip
@@ -34,13 +33,12 @@ def strips(
     times: ArrayLike, panels: Mapping[str, Mapping[str, Floats]], *, title: str | None, below: str
 ) -> Figure:
     """A figure with a strip for each quantity, under which name its lines stand with theirs."""
-    figure = new_figure(PAGE_WIDTH, 0.9 + HEIGHT * len(panels))
+    figure = page_figure(0.9 + HEIGHT * len(panels))
     rows = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (quantity, lines) in zip(rows, panels.items(), strict=True):
         _strip(axes, times, lines)
         tidy(axes, "time [s]" if axes is rows[-1] else "", quantity)
-    write_title(rows[0], title, below)
-    return figure
+    return with_title(rows[0], title, below)
 
 
 def _strip(axes: Axes, times: ArrayLike, lines: Mapping[str, Floats]) -> None:
@@ -130,7 +128,7 @@ def transition_strips(transition: Any, *, title: str | None) -> Figure:
 def slip_strips(report: Any, *, title: str | None) -> Figure:
     """A `SlipReport`: a row for every wheel, with what it slid, and its windows over time."""
     names = [wheel.name for wheel in report.wheels]
-    figure = new_figure(PAGE_WIDTH, 1.5 + 0.32 * len(names))
+    figure = page_figure(1.5 + 0.32 * len(names))
     bars, windows = figure.subplots(1, 2, sharey=True)
     places = np.arange(len(names))
     rms, worst = (1000.0 * np.array([getattr(w, part) for w in report.wheels]) for part in ("rms", "worst"))
@@ -151,5 +149,4 @@ def slip_strips(report: Any, *, title: str | None) -> Figure:
     tidy(bars, "residual [mm/s]", "")
     tidy(windows, "windows of slip, stamps [s]", "")
     draw_legend(figure, *bars.get_legend_handles_labels(), loc="outside lower left", ncols=2)
-    write_title(bars, title, f"slip over {report.rows} rows")
-    return figure
+    return with_title(bars, title, f"slip over {report.rows} rows")

@@ -17,14 +17,14 @@ from six_wheel.plotting.drawing import (
     FORBIDDEN,
     INK,
     MOTION,
-    PAGE_WIDTH,
     TICK,
     TRACK,
-    new_figure,
     number,
     page,
+    page_figure,
     tidy,
-    write_title,
+    with_title,
+    write,
 )
 from six_wheel.plotting.pictures.bars import number_bars
 
@@ -44,7 +44,7 @@ def stability_figure(found: Any, *, title: str | None, stand: SettledPose | None
     joints = joints.reshape(-1, joints.shape[-1]).min(axis=0)
     margins |= {f"joint {k + 1} to its stop [rad]": float(margin) for k, margin in enumerate(joints)}
     if stand is None:
-        figure = new_figure(PAGE_WIDTH, 1.6 + 0.36 * max(len(loads), len(margins)))
+        figure = page_figure(1.6 + 0.36 * max(len(loads), len(margins)))
         left, right = figure.subplots(1, 2)
         _bars(left, {f"wheel {k + 1}": float(load) for k, load in enumerate(loads)}, "vertical load [N]")
         words = "negative ones in red\nstand= draws the support polygon"
@@ -52,12 +52,11 @@ def stability_figure(found: Any, *, title: str | None, stand: SettledPose | None
     else:
         if np.ndim(stand.z) or np.ndim(found.tilt) or len(stand.contacts) != len(loads):
             raise ValueError(f"stand must be the one pose that the stability is of, got {stand!r}")
-        figure = new_figure(PAGE_WIDTH, 4.6)
+        figure = page_figure(4.6)
         left, right = figure.subplots(1, 2, width_ratios=(1.5, 1.0))
         words = _draw_support(left, found, loads, stand)
     _bars(right, margins, "margin [rad, m]")
-    write_title(left, title, words)
-    return figure
+    return with_title(left, title, words)
 
 
 def _bars(axes: Axes, values: dict[str, float], words: str) -> None:
@@ -83,10 +82,7 @@ def _draw_support(axes: Axes, found: Any, loads: Floats, stand: Any) -> str:
         axes.plot(*place, "o", markersize=size, color=colour, markeredgecolor=INK, alpha=0.85, zorder=4)
         name = stand.suspension.wheel_names[k].replace("_", " ")
         told = f"{name}\n{number(load, '.3g')} N" if k in touching else f"{name}\nin the air"
-        axes.annotate(
-            told, place, (0, -14), textcoords="offset points", ha="center", va="top", fontsize=8, color=INK,
-            zorder=9,
-        )  # fmt: skip
+        write(axes, told, tuple(place), (0, -14), 8, ha="center", va="top", zorder=9)
     tidy(axes, "to the right [m]", "forward [m]")
     total = float(np.nansum(loads[touching]))
     if len(hull) < 3 or not total > 0.0 or not np.isfinite(found.tip_over_angle):
