@@ -190,7 +190,7 @@ def find_motion(subject: Subject, state: State, previous: Motion | None = None) 
         if stand.status in STANDING:
             transform, joints = stand.transform, stand.joints
             stability = suspension.stability(stand, mass=1.0)
-            speeds, slide = _rolling(subject, stand, twist, steering, state, remarks, slide)
+            speeds, slide = _rolling(stand, twist, steering, state, remarks, slide)
         elif previous is not None and previous.stands:
             remarks.append(f"{stand.status}: it stays where it stood")
             still = replace(state, pose=previous.state.pose)
@@ -214,25 +214,16 @@ def find_motion(subject: Subject, state: State, previous: Motion | None = None) 
 
 
 def _rolling(
-    subject: Subject,
-    stand: SettledPose,
-    twist: Floats,
-    steering: Floats,
-    state: State,
-    remarks: list[str],
-    slide: Floats,
+    stand: SettledPose, twist: Floats, steering: Floats, state: State, remarks: list[str], slide: Floats
 ) -> tuple[Floats, Floats]:
     """Wheel speeds on the ground and how fast the contacts slide there."""
-    suspension = subject.suspension
-    assert suspension is not None
+    inverse, forward = stand.suspension.inverse, stand.suspension.forward
     try:
-        command = suspension.inverse(stand, twist[[0, 2]], view="plan", steering=steering)
-        motion = suspension.forward(
-            stand, steering, command.wheel_speeds, command.joint_rates, command.twist[3:]
-        )
+        command = inverse(stand, twist[[0, 2]], view="plan", steering=steering)
+        motion = forward(stand, steering, command.wheel_speeds, command.joint_rates, command.twist[3:])
     except InfeasibleMotionError as error:
         remarks.append(f"on this ground: {error}")
-        return np.zeros(len(subject.rover.wheels)), slide
+        return np.zeros_like(slide), slide
     if state.wheel_speeds is not None:
         return np.array(state.wheel_speeds), slide
     return command.wheel_speeds, np.linalg.norm(np.nan_to_num(motion.residuals), axis=-1)

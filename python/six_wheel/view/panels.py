@@ -36,16 +36,9 @@ SHOWN = ("body", "arrows", "centre", "ahead", "fans", "path", "follow")  # the p
 
 
 class Panels:
-    """Controls of a view.
+    """Controls of a view, at first with the values of `state`.
 
-    Parameters
-    ----------
-    state : State
-        First values of the controls.
-    changed : callable
-        Called after each change by a person.
-    look : callable
-        Called with the client and the name of a camera.
+    `changed` is called after each change by a person, `look` with the client and the name of a camera.
     """
 
     def __init__(

@@ -32,15 +32,7 @@ SPANS = 240  # of coloured reasons
 
 
 class Player:
-    """Controls and nodes of a record.
-
-    Parameters
-    ----------
-    subject : Subject
-        With a record.
-    changed : callable
-        Called after each change by a person.
-    """
+    """Controls and nodes of the record of a subject; `changed` is called after each change by a person."""
 
     def __init__(self, server: viser.ViserServer, subject: Subject, changed: Callable[[], None]) -> None:
         assert subject.record is not None

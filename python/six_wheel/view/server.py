@@ -73,13 +73,9 @@ def is_local(hosts: list[str], origins: list[str]) -> bool:
 def open_server(port: int | None) -> viser.ViserServer:
     """A server on the loopback, guarded by `is_local`, without a way to be shared publicly.
 
-    Raises `ValueError` if the port cannot be had. Raises `RuntimeError` if this version of viser opens its
-    socket in another way, so that it cannot be guarded.
-
-    Parameters
-    ----------
-    port : int or None
-        0 takes a free one, None opens none: nobody is served, and the scene can be saved.
+    Port 0 takes a free one, None opens none: nobody is served, and the scene can be saved. Raises
+    `ValueError` if the port cannot be had. Raises `RuntimeError` if this version of viser opens its socket in
+    another way, so that it cannot be guarded.
     """
     require()
     if port is not None:

@@ -32,30 +32,12 @@ PARAMETERS = (".yaml", ".yml", ".json")
 class Subject:
     """A rover, its suspension if it has one, its limits, and a record of it if there is one.
 
-    Attributes
-    ----------
-    rover : Rover
-        On level ground, in the neutral position of its suspension.
-    suspension : RockerBogie or None
-    name : str
-    limits : Limits
-    ground : Terrain or None
-        None is a plane.
-    record : Record or None
-    robot : Robot or None
-        With the meshes of its description.
-    given : str or None
-        Its name on a command line or in a script; None for an object made in a program.
-    ground_given : str or None
-        The same of the ground.
-    rover_given : str or None
-        The same of the rover a record was given; "" for an object.
-    start : tuple of float
-        First pose [m, m, rad].
-    stand : SettledPose or None
-        The pose that was given, which has its ground and its steering angles.
-    other : Subject or None
-        Another record, which is shown beside this one on the same ground.
+    `rover` is that on level ground, in the neutral position of its suspension; a `ground` of None is a plane;
+    `robot` has the meshes of its description. `given` is its name on a command line or in a script, None for
+    an object made in a program; `ground_given` the same of the ground, `rover_given` of the rover a record
+    was given, "" for an object. `start` is the first pose [m, m, rad], `stand` the settled pose that was
+    given, which has its ground and its steering angles. `other` is another record, shown beside this one on
+    the same ground.
     """
 
     rover: Rover
@@ -119,20 +101,12 @@ class Subject:
 
 
 def find_subject(
-    what: Any,
-    ground: Any = None,
-    *,
-    rover: Any = None,
-    at: Any = None,
-    other: Any = None,
-    node: str | None = None,
-    kind: str | None = None,
-    wheel_radius: float | None = None,
+    what: Any, ground: Any = None, *, rover: Any = None, at: Any = None, other: Any = None, **reading: Any
 ) -> Subject:
     """The subject that an argument means; `rover` says whose a record is where it does not say so itself,
-    `other` is a record to be shown beside it. Raises `ValueError` if it is a file or a name that cannot be
-    used: one line. Raises `TypeError` if it is nothing that can be shown."""
-    reading: dict[str, Any] = {"node": node, "kind": kind, "wheel_radius": wheel_radius}
+    `other` is a record to be shown beside it, `reading` is for a rover's file, as of `find_rover`. Raises
+    `ValueError` if it is a file or a name that cannot be used: one line. Raises `TypeError` if it is nothing
+    that can be shown."""
     from six_wheel.view.records.reading import find_record, is_record
 
     if is_record(what):
@@ -208,9 +182,7 @@ def find_ground(ground: Any, size: float) -> Terrain | None:
         raise type(error)(*error.parts, *where) from None
 
 
-def named_rover(
-    what: Any, *, node: str | None = None, kind: str | None = None, wheel_radius: float | None = None
-) -> Subject:
+def named_rover(what: Any, **reading: Any) -> Subject:
     """The subject of a rover, a suspension, a preset's name or a file with a rover."""
     if isinstance(what, RockerBogie):
         return Subject(what.planar(), what)
@@ -230,7 +202,6 @@ def named_rover(
             if path.exists()
             else no_file(given)
         )
-    reading: dict[str, Any] = {"node": node, "kind": kind, "wheel_radius": wheel_radius}
     found = find_rover(given, "x must be a file or a preset", **reading)
     rover, suspension = found.rover, found.rover.suspension
     if found.path is None and (suspension := preset_suspension(given)) is not None:

@@ -10,12 +10,8 @@ class Worker:
     """Calls `update` in a thread of its own after `ask`: once, however often it was asked meanwhile.
 
     Callbacks of sliders come from a pool of threads and overtake each other; what they change is read when
-    the update begins, so that the last one always counts.
-
-    Parameters
-    ----------
-    failed : callable
-        Called with what `update` raised; the thread goes on.
+    the update begins, so that the last one always counts. `failed` is called with what `update` raised; the
+    thread goes on.
     """
 
     def __init__(self, update: Callable[[], None], failed: Callable[[Exception], None]) -> None:

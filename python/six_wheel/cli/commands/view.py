@@ -102,16 +102,8 @@ def view(
         free_port(port)
     from six_wheel.view.subject import find_subject
 
-    subject = find_subject(
-        what,
-        map_reading.ground(scene.ground),
-        rover=scene.rover,
-        at=scene.at,
-        other=scene.beside,
-        node=reading.node,
-        kind=reading.kind,
-        wheel_radius=reading.wheel_radius,
-    )
+    ground, other = map_reading.ground(scene.ground), scene.beside
+    subject = find_subject(what, ground, rover=scene.rover, at=scene.at, other=other, **reading._asdict())
     from six_wheel.view.commands import scrub_of, start_state
     from six_wheel.view.viewing import View
 

@@ -17,29 +17,12 @@ PATH_POINTS = 5000  # of a drawn path
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """Rows of a drive.
+    """Rows of a drive, in the clock of `times` (n,) since the first row [s], growing.
 
-    Attributes
-    ----------
-    rover : Rover
-    name : str
-    times : ndarray, shape (n,)
-        Since the first row [s], growing.
-    poses : ndarray, shape (n, 3)
-        x, y, yaw [m, m, rad].
-    steering, wheel_speeds, slips : ndarray, shape (n, joints), or None
-        Angles of the steered wheels [rad], wheel speeds [rad/s], speeds at which contacts slid [m/s].
-    twists, commanded : ndarray, shape (n, 3), or None
-        Of the body; as commanded [m/s, m/s, rad/s].
-    covariances : ndarray, shape (n, 2, 2), or None
-        Of x and y [m^2].
-    reasons : ndarray of uint32, shape (n,), or None
-        Bits of `Reason`.
-    truth : GroundTruth or None
-        In the same clock.
-    suspension : RockerBogie or None
-    ground : Terrain or None
-    limits : Limits
+    `poses` (n, 3) are x, y, yaw [m, m, rad]; `steering`, `wheel_speeds` and `slips` (n, joints) the angles of
+    the steered wheels [rad], wheel speeds [rad/s] and speeds at which contacts slid [m/s]; `twists` and
+    `commanded` (n, 3) those of the body [m/s, m/s, rad/s]; `covariances` (n, 2, 2) those of x and y [m^2];
+    `reasons` (n,) bits of `Reason`. None is what is not known.
     """
 
     rover: Rover

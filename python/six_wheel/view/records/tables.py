@@ -21,16 +21,8 @@ TIMES = {"time": 1.0, "time_ms": 1e-3, "time_us": 1e-6, "time_ns": 1e-9}
 
 @dataclass(frozen=True)
 class PoseTable:
-    """A table on disk, of which only the headers have been read.
-
-    Attributes
-    ----------
-    path : Path
-    names : tuple of str
-        Headers, without units.
-    headers : tuple of str
-        As they are written.
-    """
+    """A table on disk, of which only the headers have been read: as they are written, and as `names` without
+    units."""
 
     path: Path
     names: tuple[str, ...]

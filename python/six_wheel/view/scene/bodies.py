@@ -34,14 +34,9 @@ PALER = {"opacity": 0.35, "cast_shadow": False}  # look of a rover beside the on
 
 
 class Bodies:
-    """Nodes of a rover, made once and then moved.
+    """Nodes of a rover, made once, its links placed by the frames of a motion, and then moved.
 
-    Parameters
-    ----------
-    motion : Motion
-        Its frames place the links.
-    root : str
-        Name of the node. A rover of another name is drawn paler, without fans.
+    `root` is the name of their node; a rover of another name than `ROOT` is drawn paler, without fans.
     """
 
     def __init__(self, server: viser.ViserServer, subject: Subject, motion: Motion, root: str = ROOT) -> None:
