@@ -43,20 +43,13 @@ class Course:
 
 
 def read_course(path: object, rover: Rover, speed: float) -> Course:
-    """Convert the path or commands given to `simulate` into a `Course`.
+    """Convert the path or commands given to `simulate` into a `Course` of the nearest twists that a rover can
+    make.
 
-    Raises `ValueError` if it is none of these, a number is not finite or time does not go on.
-
-    Parameters
-    ----------
-    path : tuple or array_like
-        A pair of stamps (n,) [s] and twists (n, 3); rows ``[time, vx, vy, omega]`` (n, 4), whose twist
-        changes evenly from row to row; or poses (n, 3), which are driven through one after another, each
-        on one arc.
-    rover : Rover
-        It makes of every twist the nearest one it can.
-    speed : float
-        Along poses [m/s].
+    `path` is a pair of stamps (n,) [s] and twists (n, 3); rows ``[time, vx, vy, omega]`` (n, 4), whose twist
+    changes evenly from row to row; or poses (n, 3), which are driven through one after another at a speed
+    [m/s], each on one arc. Raises `ValueError` if it is none of these, a number is not finite or time does
+    not go on.
     """
     if isinstance(path, tuple) and len(path) == 2 and np.ndim(path[1]) == 2:
         stamps, twists = _table("stamps", path[0], 1), _table("twists", path[1], 2)

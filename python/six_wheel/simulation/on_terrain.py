@@ -15,7 +15,7 @@ from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.poses import Floats, quaternions
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
-from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator, spinning, step_of
+from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, SlippingRover, generator, step_of
 from six_wheel.simulation.sensor_model import Sensors
 
 if TYPE_CHECKING:
@@ -78,15 +78,16 @@ def simulate_on_ground(
     random = generator(seed)
     planar = suspension.planar()
     course = read_course(path, planar, speed)
+    slipping = SlippingRover(planar, sensors.noise, slips, random)
     first = course.begin(start)
-    moved = drive(planar, course, sensors.noise, slips, step_of(course, rate), first, random)
+    moved = slipping.drive(course, step_of(course, rate), first)
     stand = suspension.settle(ground, moved.poses, moved.steering)
     _check(stand, moved)
     wanted = course.at(moved.stamps)[:, [0, 2]]
     told = suspension.inverse(stand, wanted, view="plan", steering=moved.steering)
     speeds = _filled(told.wheel_speeds)
     turning = (speeds[1:] + speeds[:-1]) / 2.0
-    spinning(planar, slips, moved.stamps, turning)
+    slipping.spin(moved.stamps, turning)
     dt = np.diff(moved.stamps)[:, None]
     turned = np.concatenate((np.zeros((1, len(planar.wheels))), np.cumsum(turning * dt, axis=0)))
     yaw_rate = np.where(np.isnan(told.twist[:, 5]), moved.yaw_rate, told.twist[:, 5])

@@ -116,61 +116,66 @@ def step_of(course: Course, rate: float) -> float:
     return 1.0 / (FINER * rate)
 
 
-def drive(
-    rover: Rover,
-    course: Course,
-    noise: Noise,
-    slips: Sequence[Slip],
-    step: float,
-    start: Floats,
-    random: np.random.Generator,
-) -> Motion:
-    """Simulate the motion of a rover on a plane.
+@dataclass(frozen=True, eq=False)
+class SlippingRover:
+    """A rover on a plane whose contacts slip: by chance, with `noise.slip` and `noise.side_slip` per root
+    metre, independently, and as `slips` say. The body goes where the sliding of all of them is least, as
+    odometry has it."""
 
-    Its wheels do what they are told and their contacts slip, by chance with `noise.slip` and
-    `noise.side_slip` per root metre, independently; the body goes where the sliding of all of them is
-    least, as odometry has it.
+    rover: Rover
+    noise: Noise
+    slips: Sequence[Slip]
+    random: np.random.Generator
 
-    Parameters
-    ----------
-    step : float
-        Longest time between two rows [s].
-    """
-    begin, end = course.stamps[0], course.stamps[-1]
-    count = max(math.ceil((end - begin) / step), 1)
-    stamps = np.linspace(begin, end, count + 1)
-    # Between two twists that a rover can make there may be some that it cannot.
-    steering = _along(rover, rover.project(course.at(stamps), keep="nearest"))[0]
-    middle = (steering[1:] + steering[:-1]) / 2.0
-    wanted = rover.project(course.at((stamps[1:] + stamps[:-1]) / 2.0), keep="nearest")
-    speeds = _along(rover, wanted, middle)[1]
-    return follow_joints(rover, stamps, steering, speeds, noise, slips, start, random)
+    def drive(self, course: Course, step: float, start: Floats) -> Motion:
+        """Simulate the motion of a rover whose wheels do what they are told, in rows at most a `step` apart
+        [s]."""
+        rover, begin, end = self.rover, course.stamps[0], course.stamps[-1]
+        count = max(math.ceil((end - begin) / step), 1)
+        stamps = np.linspace(begin, end, count + 1)
+        # Between two twists that a rover can make there may be some that it cannot.
+        steering = _along(rover, rover.project(course.at(stamps), keep="nearest"))[0]
+        middle = (steering[1:] + steering[:-1]) / 2.0
+        wanted = rover.project(course.at((stamps[1:] + stamps[:-1]) / 2.0), keep="nearest")
+        return self.follow_joints(stamps, steering, _along(rover, wanted, middle)[1], start)
 
+    def follow_joints(self, stamps: Floats, steering: Floats, speeds: Floats, start: Floats) -> Motion:
+        """The motion under steering angles (n, steered) at evenly spaced `stamps` (n,) and wheel speeds
+        (n - 1, wheels) between them; where they contradict each other, the sliding is least."""
+        rover, dt = self.rover, stamps[1] - stamps[0]
+        middle = (steering[1:] + steering[:-1]) / 2.0
+        rates = np.diff(steering, axis=0) / dt
+        twists = rover.forward(middle, speeds, steering_rates=rates)
+        twists = twists + self._sliding(middle, speeds, rates, twists, dt)
+        turning = speeds.copy()
+        for slip in self.slips:
+            twists[during(slip, stamps)] += np.array(slip.drift)
+        self.spin(stamps, turning)
+        turned = np.concatenate((np.zeros((1, len(rover.wheels))), np.cumsum(turning * dt, axis=0)))
+        rate = np.concatenate((twists[:1, 2], (twists[1:, 2] + twists[:-1, 2]) / 2.0, twists[-1:, 2]))
+        return Motion(stamps, integrate(twists, dt, start=start), steering, turned, rate)
 
-def follow_joints(
-    rover: Rover,
-    stamps: Floats,
-    steering: Floats,
-    speeds: Floats,
-    noise: Noise,
-    slips: Sequence[Slip],
-    start: Floats,
-    random: np.random.Generator,
-) -> Motion:
-    """The motion under steering angles (n, steered) at evenly spaced `stamps` (n,) and wheel speeds
-    (n - 1, wheels) between them; where they contradict each other, the sliding is least."""
-    dt = stamps[1] - stamps[0]
-    middle = (steering[1:] + steering[:-1]) / 2.0
-    rates = np.diff(steering, axis=0) / dt
-    twists = rover.forward(middle, speeds, steering_rates=rates)
-    twists = twists + _sliding(rover, middle, speeds, rates, twists, noise, dt, random)
-    turning = speeds.copy()
-    for slip in slips:
-        twists[during(slip, stamps)] += np.array(slip.drift)
-    spinning(rover, slips, stamps, turning)
-    turned = np.concatenate((np.zeros((1, len(rover.wheels))), np.cumsum(turning * dt, axis=0)))
-    rate = np.concatenate((twists[:1, 2], (twists[1:, 2] + twists[:-1, 2]) / 2.0, twists[-1:, 2]))
-    return Motion(stamps, integrate(twists, dt, start=start), steering, turned, rate)
+    def spin(self, stamps: Floats, turning: Floats) -> None:
+        """Turns wheels further than they roll: `turning` (n - 1, wheels) [rad/s], in place."""
+        for slip in self.slips:
+            for wheel in _wheels(self.rover, slip):
+                turning[during(slip, stamps), wheel] /= 1.0 - slip.ratio
+
+    def _sliding(self, steering: Floats, speeds: Floats, rates: Floats, twists: Floats, dt: float) -> Floats:
+        """Random change of the twists by slip of the contacts, (n, 3)."""
+        rover, noise = self.rover, self.noise
+        if noise.slip == 0.0 and noise.side_slip == 0.0:
+            return np.zeros_like(twists)
+        by = rover.sensitivity(steering, speeds, steering_rates=rates, quantities=("slip", "side_slip"))
+        places = np.array([(wheel.x, wheel.y) for wheel in rover.wheels])
+        vx = twists[:, 0, None] - twists[:, 2, None] * places[:, 1]
+        vy = twists[:, 1, None] + twists[:, 2, None] * places[:, 0]
+        root = np.sqrt(np.hypot(vx, vy) * dt) / dt
+        added = np.zeros_like(twists)
+        for deviation, by_slip in ((noise.slip, by.slip), (noise.side_slip, by.side_slip)):
+            slid = deviation * root * self.random.standard_normal(root.shape)
+            added += np.einsum("nij,nj->ni", by_slip, slid)
+        return added
 
 
 def _along(rover: Rover, twists: Floats, near: Floats | None = None) -> tuple[Floats, Floats]:
@@ -191,41 +196,9 @@ def _along(rover: Rover, twists: Floats, near: Floats | None = None) -> tuple[Fl
     return angles, speeds
 
 
-def _sliding(
-    rover: Rover,
-    steering: Floats,
-    speeds: Floats,
-    rates: Floats,
-    twists: Floats,
-    noise: Noise,
-    dt: float,
-    random: np.random.Generator,
-) -> Floats:
-    """Random change of the twists by slip of the contacts, (n, 3)."""
-    if noise.slip == 0.0 and noise.side_slip == 0.0:
-        return np.zeros_like(twists)
-    by = rover.sensitivity(steering, speeds, steering_rates=rates, quantities=("slip", "side_slip"))
-    places = np.array([(wheel.x, wheel.y) for wheel in rover.wheels])
-    vx = twists[:, 0, None] - twists[:, 2, None] * places[:, 1]
-    vy = twists[:, 1, None] + twists[:, 2, None] * places[:, 0]
-    root = np.sqrt(np.hypot(vx, vy) * dt) / dt
-    added = np.zeros_like(twists)
-    for deviation, by_slip in ((noise.slip, by.slip), (noise.side_slip, by.side_slip)):
-        slid = deviation * root * random.standard_normal(root.shape)
-        added += np.einsum("nij,nj->ni", by_slip, slid)
-    return added
-
-
 def during(slip: Slip, stamps: Floats) -> NDArray[np.bool_]:
     """True for the steps between these stamps that the slip covers, (n - 1,)."""
     return (stamps[:-1] >= slip.start) & (stamps[1:] <= slip.stop)
-
-
-def spinning(rover: Rover, slips: Sequence[Slip], stamps: Floats, turning: Floats) -> None:
-    """Turns wheels further than they roll: `turning` (n - 1, wheels) [rad/s], in place."""
-    for slip in slips:
-        for wheel in _wheels(rover, slip):
-            turning[during(slip, stamps), wheel] /= 1.0 - slip.ratio
 
 
 def _wheels(rover: Rover, slip: Slip) -> list[int]:

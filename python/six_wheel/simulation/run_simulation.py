@@ -17,7 +17,7 @@ from six_wheel.kinematics.keywords import checked
 from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.on_terrain import GroundSimulation, simulate_on_ground
-from six_wheel.simulation.planar import Simulation, Slip, drive, generator, step_of
+from six_wheel.simulation.planar import Simulation, Slip, SlippingRover, generator, step_of
 from six_wheel.simulation.sensor_model import Encoders, Sensors, sample_times
 from six_wheel.simulation.sticking import Stick, drive_stuck
 
@@ -171,14 +171,13 @@ def simulate(
         raise ValueError("rover must be a RockerBogie to drive over ground, got a Rover")
     random, course = generator(seed), read_course(path, rover, speed)
     step, first, controlled = step_of(course, rate), course.begin(start), None
+    slipping = SlippingRover(rover, sensors.noise, slips, random)
     if stick is None:
-        motion = drive(rover, course, sensors.noise, slips, step, first, random)
+        motion = slipping.drive(course, step, first)
     else:
         check_kind("limits", limits)
-        motion, controlled = drive_stuck(
-            rover, course, stick, limits or Limits(), control or {},
-            noise=sensors.noise, slips=slips, step=step, start=first, random=random,
-        )  # fmt: skip
+        options = (limits or Limits(), control or {})
+        motion, controlled = drive_stuck(slipping, course, stick, *options, step=step, start=first)
     stamps = sample_times(motion.stamps[0], motion.stamps[-1], rate, jitter, dropped, random)
     # A gyroscope has the mean from halfway since the sample before to halfway on.
     edges = np.concatenate((stamps[:1], (stamps[1:] + stamps[:-1]) / 2.0, stamps[-1:]))

@@ -1,18 +1,18 @@
 """A drive through a controller that measures its joints, one of which sticks."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from six_wheel._core import Controller, Limits, Noise, Rover
+from six_wheel._core import Controller, Limits, Rover
 from six_wheel.kinematics.controller import Reason
 from six_wheel.kinematics.poses import Floats
 from six_wheel.simulation.controlled import Controlled
 from six_wheel.simulation.course import Course
-from six_wheel.simulation.planar import Motion, Slip, follow_joints
+from six_wheel.simulation.planar import Motion, SlippingRover
 
 PERIOD = 0.02  # [s] of a controller whose period is not given
 
@@ -52,24 +52,21 @@ class Stick:
 
 
 def drive_stuck(
-    rover: Rover,
+    slipping: SlippingRover,
     course: Course,
     stick: Stick,
     limits: Limits,
     control: Mapping[str, Any],
     *,
-    noise: Noise,
-    slips: Sequence[Slip],
     step: float,
     start: Floats,
-    random: np.random.Generator,
 ) -> tuple[Motion, Controlled]:
     """Simulate a rover under a `Controller` with one joint that sticks.
 
-    In every step the controller is given the twist of the course and the measured angles of the joints.
-
-    Parameters: as `motion.drive`; `step` is at most the period of the controller.
+    In every step, at most so long [s], the controller is given the twist of the course and the measured
+    angles of the joints.
     """
+    rover, noise, random = slipping.rover, slipping.noise, slipping.random
     stuck = stick.column(rover)
     begin, end = course.stamps[0], course.stamps[-1]
     period = min(step, float(control.get("period", PERIOD)))
@@ -97,6 +94,6 @@ def drive_stuck(
             error = float(output.joint_errors[list(rover.steered_wheel_names).index(wheel)])
             found = {"joint": output.worst_joint, "found": now, "error": error}
     turning = (speeds[1:] + speeds[:-1]) / 2.0
-    motion = follow_joints(rover, stamps, actual, turning, noise, slips, start, random)
+    motion = slipping.follow_joints(stamps, actual, turning, start)
     values = np.hstack([wanted, twists, angles, rates, speeds])
     return motion, Controlled(limits, stamps - begin, values, reasons, **found)

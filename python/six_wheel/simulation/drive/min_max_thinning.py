@@ -9,13 +9,8 @@ BINS = 2000  # twice as many at most; a picture is not wider
 
 
 class Course:
-    """Lowest and highest values, and all reasons, of stretches of at most `stride` rows.
-
-    Parameters
-    ----------
-    columns : int
-        Number of values of a row.
-    """
+    """Lowest and highest of the values of a row, so many `columns`, and all reasons, of stretches of at most
+    `stride` rows."""
 
     def __init__(self, columns: int) -> None:
         self.stride = 1

@@ -119,23 +119,20 @@ def time_to_full_lock(rover: Rover, limits: Limits) -> float | None:
 
 def stop_from(rover: Rover, limits: Limits, twist: ArrayLike) -> Stop | None:
     """Distance [m] and time [s] from a steady twist to rest; None if it stops at once."""
-    steady = _steady(rover, limits.on(rover), twist)
-    if steady is None:
+    if (steady := _steady(rover, limits.on(rover), twist)) is None:
         return None
-    controller, now, dt = steady
+    controller, now, _ = steady
     controller.command((0.0, 0.0, 0.0), now)
-    return _to_rest(controller, now, dt)
+    return _to_rest(*steady)
 
 
 def halt_from(rover: Rover, limits: Limits, twist: ArrayLike) -> Stop | None:
     """Distance [m] and time [s] of a halt from a steady twist to rest; None if it stops at once."""
     filled = limits.on(rover)
-    steady = _steady(rover, filled, twist)
-    if steady is None or math.isinf(filled.halt_deceleration):
+    if (steady := _steady(rover, filled, twist)) is None or math.isinf(filled.halt_deceleration):
         return None
-    controller, now, dt = steady
-    controller.halt()
-    return _to_rest(controller, now, dt)
+    steady[0].halt()
+    return _to_rest(*steady)
 
 
 def _to_rest(controller: Controller, now: float, dt: float) -> Stop:

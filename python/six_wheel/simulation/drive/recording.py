@@ -18,19 +18,11 @@ POSE, TWIST = ("x", "y", "yaw"), ("vx", "vy", "omega")
 
 
 class DriveRecord(Closing):
-    """Writes the rows of a drive into an MCAP file of `logs.mcap`, chunk by chunk.
+    """Writes the rows of a drive into an MCAP file of `logs.mcap`, chunk by chunk, as the columns of an
+    engine come to `write`; `parameters` is the parameter file of the rover, as text.
 
     Poses and twists are those of the drive; their covariances are those of odometry that reads the commanded
     speeds, with its usual noise.
-
-    Parameters
-    ----------
-    path : Path
-        A .mcap file.
-    engine : Drive or ControlledDrive
-        Its columns come to `write`.
-    parameters : str
-        The parameter file of the rover, as text.
     """
 
     def __init__(self, path: Path, engine: Engine, parameters: str) -> None:
