@@ -8,13 +8,8 @@ JUMP = SECOND  # of time, forward, between two calls, that is worth a word
 
 
 class Clock:
-    """Time [ns], as its callers say it.
-
-    Attributes
-    ----------
-    origin : int or None
-        Start of the loop, or of time that jumped back; None before the first call.
-    """
+    """Time [ns], as its callers say it; its `origin` is the start of the loop, or of time that jumped back,
+    None before the first call."""
 
     def __init__(self, faults: Faults) -> None:
         self.origin: int | None = None

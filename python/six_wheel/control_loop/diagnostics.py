@@ -42,14 +42,8 @@ class FaultLines:
 
 
 def statuses(loop: Loop, name: str) -> list[Status]:
-    """Level, name, message and values of everything there is to say since the last report, which this is
-    then.
-
-    Parameters
-    ----------
-    name : str
-        Of the node.
-    """
+    """Level, name, message and values of everything there is to say of a loop, in a node of this name, since
+    the last report, which this is then."""
     listed: list[Status] = [_motion(loop, name)]
     for area in AREAS:
         found = loop.faults.of(area)

@@ -9,19 +9,10 @@ AREAS = ("commands", "joints", "odometry", "time")
 
 @dataclass
 class Fault:
-    """One kind of thing that goes wrong.
+    """One kind of thing that goes wrong in one of the `AREAS`, at level `WARN` or `ERROR`.
 
-    Attributes
-    ----------
-    area : {"commands", "joints", "odometry", "time"}
-    level : int
-        `WARN` or `ERROR`.
-    what : str
-        The rule that was broken.
-    last : str
-        Value that came instead, the last time.
-    count, new : int
-        Number of times in all, and since the last report.
+    `what` is the rule that was broken, `last` the value that came instead, the last time; `count` is how
+    often it was in all, `new` since the last report.
     """
 
     area: str

@@ -29,19 +29,11 @@ class Row(NamedTuple):
 
 
 class Rows:
-    """The joint readings that odometry has not counted yet.
+    """The joint readings that odometry has not counted yet; `keys` are those of ``gyroscope`` in a parameter
+    file.
 
-    Parameters
-    ----------
-    keys : mapping
-        The key ``gyroscope`` of a parameter file.
-
-    Attributes
-    ----------
-    apart : float or None
-        Between joint readings, as they came at the start [s]; None until that is known.
-    came : int or None
-        When the gyroscope spoke last [ns].
+    `apart` is the time between joint readings, as they came at the start [s], None until that is known;
+    `came` is when the gyroscope spoke last [ns].
     """
 
     def __init__(self, keys: Mapping[str, Any]) -> None:

@@ -26,16 +26,10 @@ class Readings(NamedTuple):
 
 
 class JointReader:
-    """Readings out of joint states.
+    """Readings out of joint states; what is wrong goes to `faults`.
 
-    Parameters
-    ----------
-    positions : bool
-        True if wheels report positions; otherwise velocities.
-    factors : list of pair of float
-        For every steered wheel what makes its reading an angle: a factor and an offset.
-    faults : Faults
-        Takes what is wrong.
+    Wheels report positions, or velocities if `positions` is False. `factors` has for every steered wheel the
+    factor and the offset that make its reading an angle.
     """
 
     def __init__(

@@ -15,17 +15,7 @@ Counted = tuple[int | None, OdometryState | None]
 
 
 class Odometer:
-    """An `Odometry` that says what is wrong.
-
-    Parameters
-    ----------
-    moved : callable
-        Called with what odometry says after every step.
-
-    Attributes
-    ----------
-    odometry : Odometry
-    """
+    """An `Odometry` that says what is wrong; `moved` is called with what odometry says after every step."""
 
     def __init__(self, settings: Settings, faults: Faults, moved: Callable[[OdometryState], None]) -> None:
         self._faults, self._moved = faults, moved

@@ -11,12 +11,7 @@ from six_wheel.logs.mcap.rover_record import Frames
 class Recorder(RoverRecord):
     """A record of one loop: what comes in is written as it came, in that order, and then the step.
 
-    Parameters
-    ----------
-    path : Path
-        A .mcap file; what is there is replaced.
-    settings : Settings
-        Those that the loop begins with.
+    A file that is there is replaced. The loop begins with these settings.
     """
 
     def __init__(self, path: Path, settings: Settings, made_by: str = "node") -> None:

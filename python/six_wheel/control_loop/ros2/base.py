@@ -33,12 +33,8 @@ def nanoseconds(stamp: Any) -> int:
 class BaseNode(LifecycleNode):
     """A node around a `Loop`.
 
-    Parameters
-    ----------
-    settings : Settings
-        As the parameter file has them; ROS parameters come over it.
-    own : sequence of Option
-        Options of the node itself.
+    The settings are those of the parameter file, and ROS parameters come over them; `own` are options of the
+    node.
     """
 
     def __init__(self, name: str, settings: Settings, own: Sequence[Option]) -> None:

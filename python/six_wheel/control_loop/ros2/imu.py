@@ -19,12 +19,8 @@ DEPTH = 100  # readings that may come while the node is at something else: each 
 class ImuInput:
     """The subscriptions to a gyroscope and to the transforms that stay.
 
-    Parameters
-    ----------
-    take : callable
-        Called with every message, its rates about the axes of the sensor [rad/s], and its stamp [ns].
-    mount : callable
-        Called with the rover's z in those axes when it is known.
+    `take` is called with every message, its rates about the axes of the sensor [rad/s], and its stamp [ns],
+    `mount` with the rover's z in those axes when it is known.
     """
 
     def __init__(

@@ -15,13 +15,7 @@ TRAJECTORY = "joint_trajectory_controller/joint_trajectory"
 
 
 class CommandInterface:
-    """Publishers of joint commands.
-
-    Parameters
-    ----------
-    period : int
-        In which a trajectory is to be there [ns].
-    """
+    """Publishers of joint commands; a trajectory is to be there in `period` [ns]."""
 
     def __init__(self, node: Any, kind: str, rover: Rover, period: int) -> None:
         from rclpy.qos import QoSProfile

@@ -12,13 +12,7 @@ MISSING = (
 
 
 def rclpy() -> Any:
-    """The module.
-
-    Raises
-    ------
-    ModuleNotFoundError
-        With both ways to get it.
-    """
+    """The module. Raises `ModuleNotFoundError` with both ways to get it."""
     try:
         import rclpy
         import rclpy.lifecycle

@@ -71,12 +71,7 @@ FILTER = (
 class Declared:
     """The parameters of a node, and what a change of them means.
 
-    Parameters
-    ----------
-    settings : Settings
-        As the file has them.
-    own : sequence of Option
-        Options of the node itself.
+    The settings are as the file has them, `own` are options of the node itself.
     """
 
     def __init__(self, node: Any, settings: Settings, own: Sequence[Option]) -> None:

@@ -27,33 +27,15 @@ ENDING = [
 def run(
     kind: Literal["node", "filter"], settings: Settings | None, arguments: Sequence[str], load: Load
 ) -> int:
-    """Run a node until a signal ends it, its last joint command zero.
+    """Run a node until a signal ends it, its last joint command zero; the exit code.
 
     After the first signal the rover stops within its limits, from the second one or `PATIENCE` on by a halt,
-    and `LATEST` after the first one its wheels are commanded to rest in one step. The process is meant to
-    end afterwards: later signals are ignored.
+    and `LATEST` after the first one its wheels are commanded to rest in one step. The process is meant to end
+    afterwards: later signals are ignored.
 
-    Parameters
-    ----------
-    kind : {"node", "filter"}
-    settings : Settings, optional
-        None: those of its parameters, or of the topic robot_description.
-    arguments : sequence of str
-        ROS arguments, ``--ros-args`` and what follows it.
-    load : callable
-        Reads a rover that parameters name.
-
-    Returns
-    -------
-    int
-        0.
-
-    Raises
-    ------
-    ModuleNotFoundError
-        If there is no rclpy.
-    ValueError
-        If arguments or parameters cannot be used.
+    Without `settings` those of its parameters, or of the topic robot_description, count: `load` reads a rover
+    that parameters name. `arguments` are ``--ros-args`` and what follows it. Raises `ModuleNotFoundError` if
+    there is no rclpy. Raises `ValueError` if arguments or parameters cannot be used.
     """
     ros = rclpy()
     from rclpy.signals import SignalHandlerOptions
