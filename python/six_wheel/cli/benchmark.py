@@ -11,7 +11,7 @@ import timeit
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -35,16 +35,8 @@ SPAN = 0.005  # [s] a timing takes about as long: more than the clock resolves, 
 class Timing:
     """A statement that is timed again and again.
 
-    Parameters
-    ----------
-    statement : str
-        Statement to time.
-    names : mapping
-        The names in it.
-    items : int
-        Number of items it treats; times are per item.
-    baseline : str
-        Part of the statement whose time is subtracted.
+    `names` are those in it, and times are per item of the `items` that it treats; the time of the part
+    `baseline` is subtracted.
     """
 
     def __init__(
@@ -103,10 +95,7 @@ def round_robin(
 ) -> None:
     """Time everyone once, then once again: a machine that slows down slows all alike.
 
-    Parameters
-    ----------
-    progress : callable, optional
-        Called after every timing with how many are done and how many there are.
+    `progress` is called after every timing with how many are done and how many there are.
     """
     everyone = [timing for job in jobs for timing in job.timings.values()]
     for turn in range(rounds):
@@ -188,43 +177,23 @@ def jobs() -> list[Comparison]:
     few_twists, few_joints = twists[:few], tuple(array[:few] for array in many)
     back, poses = np.empty((ROWS, 3)), np.empty((ROWS + 1, 3))
     batch = f"batch of {ROWS:,} rows, per row"
+    ours, theirs = partial(Timing.of, items=ROWS), partial(Timing.of, items=few)
     timings = {
-        "inverse, one call": (
-            Timing.of(core.inverse, twist),
-            Timing.of(plain.inverse, twist),
-        ),
-        "inverse, one call, out=": (
-            Timing.of(core.inverse, twist, out=one),
-            Timing.of(plain.inverse, twist),
-        ),
-        "forward, one call": (
-            Timing.of(core.forward, *one),
-            Timing.of(plain.forward, *one),
-        ),
-        f"inverse, {batch}": (
-            Timing.of(core.inverse, twists, out=many, items=ROWS),
-            Timing.of(plain.inverse, few_twists, items=few),
-        ),
-        f"forward, {batch}": (
-            Timing.of(core.forward, *many, out=back, items=ROWS),
-            Timing.of(plain.forward, *few_joints, items=few),
-        ),
+        "inverse, one call": (Timing.of(core.inverse, twist), Timing.of(plain.inverse, twist)),
+        "inverse, one call, out=": (Timing.of(core.inverse, twist, out=one), Timing.of(plain.inverse, twist)),
+        "forward, one call": (Timing.of(core.forward, *one), Timing.of(plain.forward, *one)),
+        f"inverse, {batch}": (ours(core.inverse, twists, out=many), theirs(plain.inverse, few_twists)),
+        f"forward, {batch}": (ours(core.forward, *many, out=back), theirs(plain.forward, *few_joints)),
         f"integrate, {batch}": (
-            Timing.of(integrate, twists, 0.01, out=poses, items=ROWS),
-            Timing.of(reference.integrate, few_twists, 0.01, items=few),
+            ours(integrate, twists, 0.01, out=poses),
+            theirs(reference.integrate, few_twists, 0.01),
         ),
     }
-    return [Comparison(name, {"core": ours, "reference": theirs}) for name, (ours, theirs) in timings.items()]
+    return [Comparison(name, {"core": fast, "reference": slow}) for name, (fast, slow) in timings.items()]
 
 
 def measure(*, progress: Callable[[int, int], None] | None = None) -> list[Comparison]:
-    """Time every job on both sides, in turn, `REPEATS` times.
-
-    Parameters
-    ----------
-    progress : callable, optional
-        Called after every timing with how many are done and how many there are.
-    """
+    """Time every job on both sides, in turn, `REPEATS` times; `progress` as in `round_robin`."""
     todo = jobs()
     round_robin(todo, REPEATS, progress=progress)
     return todo

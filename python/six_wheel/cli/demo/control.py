@@ -30,23 +30,11 @@ LIMITS = Limits(
 
 @dataclass(frozen=True, eq=False)
 class ControlResult:
-    """One drive through a controller.
+    """One drive of a rover through a controller.
 
-    Attributes
-    ----------
-    name : str
-        Of the rover.
-    rover : Rover
-    noise : float
-        Standard deviation of the measured steering angles [rad].
-    times : ndarray, shape (n,)
-        Of the steps [s].
-    commanded, twists : ndarray, shape (n, 3)
-        The command of every step, and the motion it got [m/s, m/s, rad/s].
-    steering, steering_rates, wheel_speeds : ndarray, shape (n, joints)
-        Joint commands [rad, rad/s, rad/s].
-    reasons : ndarray, shape (n,)
-        Bits of `Reason`.
+    `noise` is the standard deviation of the measured steering angles [rad]. Of the steps at `times` (n,) [s]
+    there are the commands and the motions they got (n, 3) [m/s, m/s, rad/s], the joint commands (n, joints)
+    [rad, rad/s, rad/s] and the bits of `Reason` (n,).
     """
 
     name: str
@@ -84,15 +72,8 @@ class ControlResult:
 
 
 def drive_controlled(result: DemoResult, noise: float) -> ControlResult:
-    """Give a controller the recorded twist of its time in every step.
-
-    Parameters
-    ----------
-    result : DemoResult
-        Its twists are asked for, in the size of the rover.
-    noise : float
-        Standard deviation of the measured steering angles [rad].
-    """
+    """Give a controller the recorded twist of its time in every step, in the size of the rover; the measured
+    steering angles have `noise` as standard deviation [rad]."""
     rover = result.rover
     begin, end = result.times[0], result.times[-2]
     times = np.arange(round((end - begin) * RATE)) / RATE
@@ -129,20 +110,14 @@ def draw_control(result: ControlResult) -> Figure:
     return drive_figure(result.rover, course, *path, limits=LIMITS, shares=result.shares, title=title)
 
 
-def rows(results: list[ControlResult]) -> list[list[str]]:
-    """Results of the drives: in each row the name, then one cell per drive."""
-    cells = []
-    for result in results:
-        asked, driven = result.length(result.commanded), result.length(result.twists)
-        reasons = sorted(result.shares.items(), key=lambda item: -item[1])[:3]
-        cells.append(
-            [
-                f"{1e3 * result.noise:g} mrad",
-                f"{asked:.2f} m",
-                f"{driven:.2f} m, {driven / asked:.1%}",
-                f"{result.standing:.2f} s",
-                "\n".join(f"{name} {share:.0%}" for name, share in reasons),
-            ]
-        )
-    names = ("noise of the measured joints", "commanded", "driven", "stands at most for", "limited by")
-    return [list(row) for row in zip(names, *cells, strict=True)]
+def summary(result: ControlResult) -> dict[str, str]:
+    """Cells of the table of the drives by the names of their rows."""
+    asked, driven = result.length(result.commanded), result.length(result.twists)
+    reasons = sorted(result.shares.items(), key=lambda item: -item[1])[:3]
+    return {
+        "noise of the measured joints": f"{1e3 * result.noise:g} mrad",
+        "commanded": f"{asked:.2f} m",
+        "driven": f"{driven:.2f} m, {driven / asked:.1%}",
+        "stands at most for": f"{result.standing:.2f} s",
+        "limited by": "\n".join(f"{name} {share:.0%}" for name, share in reasons),
+    }

@@ -1,7 +1,7 @@
 """Output of the demo: one picture, one table of commands per rover, and the numbers on the console."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -87,28 +87,8 @@ def introduce(motion: DemoMotion) -> str:
     )
 
 
-def summary(results: Sequence[DemoResult]) -> list[list[str]]:
-    """Rows of the main table: what, then one cell per rover."""
-    return [list(row) for row in zip(_ROWS, *map(_cells, results), strict=True)]
-
-
-_ROWS = (
-    f"tightest turn held for {SUSTAINED:g} s",
-    "  its half width asks for",
-    "  so the path is scaled by",
-    "driven, same time stamps",
-    "odometry off the drive by",
-    "drive off the recording by",
-    "  at most",
-    "twists possible as they are",
-    "sideways, taken out",
-    "largest steering angle",
-    "fastest steering joint",
-    "fastest wheel",
-)
-
-
-def _cells(result: DemoResult) -> list[str]:
+def summary(result: DemoResult) -> dict[str, str]:
+    """Cells of the main table by the names of their rows."""
     rover, deviation = result.rover, result.deviation
     joints = (result.steering, result.steering_rates, result.wheel_speeds)
     angles, rates, speeds = map(np.abs, joints)
@@ -116,21 +96,22 @@ def _cells(result: DemoResult) -> list[str]:
     moving = np.any(result.asked != 0.0, axis=1)
     possible = np.asarray(rover.admissible(result.asked[moving]))
     slip = (result.asked - result.twists)[moving, 1]
-    return [
-        f"{result.tightest_radius:.3f} m",
-        f"{result.needed_radius:.3f} m",
-        f"{result.scale:.2f}",
-        f"{result.length:.2f} m",
-        f"{distance:.1e} m, {turn:.1e} rad",
-        f"{_share(float(np.sqrt(np.mean(deviation**2))), result.length)}, RMS",
-        _share(float(np.max(deviation)), result.length),
-        f"{int(np.sum(possible)):,} of {len(possible):,}",
-        f"{1e3 * float(np.sqrt(np.mean(slip**2))):.2f} mm/s RMS",
-        f"{math.degrees(angles.max()):.1f}°, {_which(rover.steered_wheel_names, angles)}",
-        f"{math.degrees(rates.max()):.0f}°/s, {_which(rover.steered_wheel_names, rates)}, "
-        f"{result.times[int(np.argmax(rates.max(axis=1)))]:.0f} s",
-        f"{speeds.max():.2f} rad/s, {_which(rover.wheel_names, speeds)}",
-    ]
+    steered, fastest = rover.steered_wheel_names, math.degrees(rates.max())
+    when = result.times[int(np.argmax(rates.max(axis=1)))]
+    return {
+        f"tightest turn held for {SUSTAINED:g} s": f"{result.tightest_radius:.3f} m",
+        "  its half width asks for": f"{result.needed_radius:.3f} m",
+        "  so the path is scaled by": f"{result.scale:.2f}",
+        "driven, same time stamps": f"{result.length:.2f} m",
+        "odometry off the drive by": f"{distance:.1e} m, {turn:.1e} rad",
+        "drive off the recording by": f"{_share(float(np.sqrt(np.mean(deviation**2))), result.length)}, RMS",
+        "  at most": _share(float(np.max(deviation)), result.length),
+        "twists possible as they are": f"{int(np.sum(possible)):,} of {len(possible):,}",
+        "sideways, taken out": f"{1e3 * float(np.sqrt(np.mean(slip**2))):.2f} mm/s RMS",
+        "largest steering angle": f"{math.degrees(angles.max()):.1f}°, {_which(steered, angles)}",
+        "fastest steering joint": f"{fastest:.0f}°/s, {_which(steered, rates)}, {when:.0f} s",
+        "fastest wheel": f"{speeds.max():.2f} rad/s, {_which(rover.wheel_names, speeds)}",
+    }
 
 
 def _share(distance: float, length: float) -> str:
@@ -156,6 +137,12 @@ def table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> A
     for row in rows:
         made.add_row(*row)
     return made
+
+
+def compare(title: str, names: Sequence[str], columns: Sequence[Mapping[str, str]]) -> Any:
+    """A table with a column for each name, whose cells have the same names of rows."""
+    rows = [[row, *(column[row] for column in columns)] for row in columns[0]]
+    return table(title, ["", *names], rows)
 
 
 def _colors(result: DemoResult) -> dict[str, dict[str, Any]]:

@@ -95,24 +95,14 @@ def load_path() -> tuple[Floats, Floats]:
 
 
 def recorded_motion(times: ArrayLike, poses: ArrayLike) -> DemoMotion:
-    """Twists of a recorded robot with a fixed axle.
+    """Twists of a recorded robot with a fixed axle, from its poses (n, 3) [m, m, rad] at evenly spaced times
+    (n,) [s].
 
     Positions and yaw are smoothed by local quadratics. The recorded frame is never exactly the robot's: the
-    yaw and the distance ahead of the axle that explain most of its sideways motion are fitted and taken
-    out. Below `REST_SPEED` the robot turns on the spot or, below `REST_YAW_RATE` too, stands. So it does
-    where it drives or turns for less than `SUSTAINED` seconds.
-
-    Parameters
-    ----------
-    times : array_like, shape (n,)
-        Evenly spaced [s].
-    poses : array_like, shape (n, 3)
-        x, y, yaw [m, m, rad].
-
-    Raises
-    ------
-    ValueError
-        If the shapes do not fit or the times are not evenly spaced.
+    yaw and the distance ahead of the axle that explain most of its sideways motion are fitted and taken out.
+    Below `REST_SPEED` the robot turns on the spot or, below `REST_YAW_RATE` too, stands. So it does where it
+    drives or turns for less than `SUSTAINED` seconds. Raises `ValueError` if the shapes do not fit or the
+    times are not evenly spaced.
     """
     stamps, recorded = np.asarray(times, dtype=np.float64), np.array(poses, dtype=np.float64)
     if stamps.ndim != 1 or recorded.shape != (len(stamps), 3) or len(stamps) < 3:
@@ -147,21 +137,8 @@ def drive_path(rover: Rover, name: str, times: ArrayLike, poses: ArrayLike) -> D
 
     The path is scaled, time stamps as they are, so that in its tightest sustained turn the centre of rotation
     stays outside the rover's wheels. `Rover.project` takes out what the rover cannot do. While it stands, its
-    wheels turn to the angles the next motion begins with.
-
-    Parameters
-    ----------
-    rover : Rover
-        A rover that can turn.
-    name : str
-        For the report.
-    times, poses
-        As in `recorded_motion`.
-
-    Raises
-    ------
-    ValueError
-        As `recorded_motion`, and if the rover cannot turn or the robot never moved.
+    wheels turn to the angles the next motion begins with. `name` is for the report. Raises `ValueError` as
+    `recorded_motion` does, and if the rover cannot turn or the robot never moved.
     """
     motion = recorded_motion(times, poses)
     steps = np.diff(motion.times)

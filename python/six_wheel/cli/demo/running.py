@@ -5,13 +5,12 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from six_wheel import reference
 from six_wheel._core import Rover
 from six_wheel.cli.benchmark import Comparison, Timing, nanoseconds, round_robin
-from six_wheel.cli.demo import figures
-from six_wheel.cli.demo.control import NOISE, draw_control, drive_controlled
-from six_wheel.cli.demo.control import rows as control_rows
+from six_wheel.cli.demo import control, figures
 from six_wheel.cli.demo.ground import COVER, drive_yard
 from six_wheel.cli.demo.motion import ROVERS, DemoResult, drive_path, load_path, recorded_motion
 from six_wheel.cli.report.ground import ground_facts
@@ -28,54 +27,40 @@ class Console(Protocol):
 def run(directory: Path, *, console: Console) -> None:
     """Drive two rovers along the recording, directly and through the controller, and one over rocks.
 
-    Pictures and tables go into `directory`.
-
-    Parameters
-    ----------
-    directory : Path
-        Made if it is not there.
-    console : Console
-        A rich console, or anything else with a ``print`` method.
-
-    Raises
-    ------
-    ImportError
-        If matplotlib is missing.
-    OSError
-        If the directory cannot be written.
+    Pictures and tables go into `directory`, which is made if it is not there, words to `console`. Raises
+    `ImportError` if matplotlib is missing. Raises `OSError` if the directory cannot be written.
     """
     times, poses = load_path()
     console.print(figures.introduce(recorded_motion(times, poses)))
     results = [drive_path(Rover.preset(key), name, times, poses) for key, name in ROVERS.items()]
-    names = [result.name for result in results]
-    console.print(
-        figures.table("The same path, driven by two rovers", ["", *names], figures.summary(results))
-    )
+    title, names = "The same path, driven by two rovers", [result.name for result in results]
+    console.print(figures.compare(title, names, list(map(figures.summary, results))))
 
     directory.mkdir(parents=True, exist_ok=True)
-    written = []
+    written: list[Path] = []
+
+    def keep(name: str, figure: Figure) -> None:
+        written.append(directory / name)
+        save(figure, written[-1])
+
     for key, result in zip(ROVERS, results, strict=True):
         written.append(directory / f"demo_{key}.csv")
         figures.write_commands(result, written[-1])
-    written.append(directory / "demo.png")
-    save(figures.draw(results), written[-1])
+    keep("demo.png", figures.draw(results))
 
-    through = [drive_controlled(result, noise) for result in results for noise in (0.0, NOISE)]
-    header = ["", *(result.name for result in through)]
+    through = [
+        control.drive_controlled(result, noise) for result in results for noise in (0.0, control.NOISE)
+    ]
     title = "The recording through the controller, a new command in every step"
-    console.print(figures.table(title, header, control_rows(through)))
-    written.append(directory / "demo_control.png")
-    save(draw_control(through[-1]), written[-1])
+    names = [result.name for result in through]
+    console.print(figures.compare(title, names, list(map(control.summary, through))))
+    keep("demo_control.png", control.draw_control(through[-1]))
 
     suspension, yard, over = drive_yard()
     console.print(figures.table("Perseverance over a yard of rocks", ["", ""], ground_facts(over)))
     title = f"Perseverance over rocks on {COVER:.0%} of the ground"
-    for name, figure in (
-        ("demo_ground.png", ground_figure(over, suspension, yard, title=title)),
-        ("demo_ground_speeds.png", speeds_figure(over, suspension, title=title)),
-    ):
-        written.append(directory / name)
-        save(figure, written[-1])
+    keep("demo_ground.png", ground_figure(over, suspension, yard, title=title))
+    keep("demo_ground_speeds.png", speeds_figure(over, suspension, title=title))
 
     header = ["", "six_wheel", "reference", "times faster"]
     console.print(figures.table("Time", header, time_against_reference(results[0])))

@@ -100,13 +100,7 @@ def judged(evaluation: Evaluation | None) -> Rows:
 
 
 def written(result: Reckoned, picture_name: str) -> str:
-    """The written report, with the name of its picture.
-
-    Returns
-    -------
-    str
-        Markdown.
-    """
+    """The written report in Markdown, with the name of its picture."""
     wheels = [
         (
             wheel.name,

@@ -51,16 +51,10 @@ class LogOverview:
 
 
 def overview(path: Path, rover: Rover | None = None, options: LogOptions | None = None) -> LogOverview:
-    """An overview of a log.
+    """An overview of a log: a table or a bag. The wheels of a rover are looked for, and the log is read with
+    it.
 
     Raises `TableError` if it is nothing of these.
-
-    Parameters
-    ----------
-    path : Path
-        A table or a bag.
-    rover : Rover, optional
-        Its wheels are looked for, and the log is read with it.
     """
     log_format(path)
     columns, facts = _of_bag(path) if is_bag(path) else _of_table(path, rover, options or LogOptions())

@@ -27,15 +27,8 @@ class Pages:
     def write(
         self, figures: Sequence[tuple[str, "Figure"]], words: Callable[[list[str]], str] | None = None
     ) -> None:
-        """Write figures and report.
-
-        Parameters
-        ----------
-        figures : sequence of (str, Figure)
-            Endings of names for the report, and figures; the first one is the picture.
-        words : callable, optional
-            From the names of the pictures to the text of the report.
-        """
+        """Write figures, each with the ending of its name in the report, and the report: `words` makes its
+        text of the names of the pictures. The first figure is the picture."""
         from six_wheel.plotting.saving import render
 
         if self._plot is not None:
@@ -60,12 +53,8 @@ def reporting(
 ) -> Iterator[Pages | None]:
     """Context of a writer of picture and report, replaced if the block succeeds; None if neither is wanted.
 
-    Raises
-    ------
-    TableError
-        If one of them has an ending that cannot be, or would replace one of `sources`.
-    ImportError
-        If what draws is not installed: at once, and not after a long run.
+    Raises `TableError` if one of them has an ending that cannot be, or would replace one of `sources`. Raises
+    `ImportError` if what draws is not installed: at once, and not after a long run.
     """
     if plot is None and report is None:
         yield None
