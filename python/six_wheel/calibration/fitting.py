@@ -75,19 +75,18 @@ def _settle(problem: "Problem", values: Floats, scales: Floats) -> Solution:
     model = problem.model
     nominal, plausible = model.start, model.plausible
     errors, by = problem.errors(values)
-    converged = False
     for _ in range(ROUNDS):
         scales, weights = scales_of(problem, errors, scales)
         seen, unseen, spread = _directions(problem, by, weights, scales)
         values = nominal + plausible * (seen @ _steps(model, seen, values))
-        hold = _hold(problem, errors, by, weights, scales, seen)
-        found = _descend(problem, seen, values, scales, hold=hold, fine=True)
+        now = Solution(values, errors, weights, scales, by, seen, unseen, spread, False)
+        found = _descend(problem, seen, values, scales, hold=_hold(problem, now), fine=True)
         moved, values = np.abs(found - values), found
         errors, by = problem.errors(values)
-        if np.all(moved <= SETTLED * plausible * min(float(spread.min(initial=1.0)), 1.0)):
-            converged = True
+        converged = bool(np.all(moved <= SETTLED * plausible * min(float(spread.min(initial=1.0)), 1.0)))
+        if converged:
             break
-    return Solution(values, errors, weights, scales, by, seen, unseen, spread, converged)
+    return replace(now, values=values, errors=errors, by=by, converged=converged)
 
 
 def _descend(
@@ -238,28 +237,20 @@ def _clusters(problem: Problem) -> tuple[list[NDArray[np.int64]], str]:
     return [STRETCHES * runs + stretches], f"{STRETCHES} stretches of each of {len(drives)} runs"
 
 
-def _per_cluster(
-    problem: Problem,
-    errors: Floats,
-    by: Floats,
-    weights: Floats,
-    scales: Floats,
-    seen: Floats,
-    clusters: NDArray[np.int64],
-) -> tuple[Floats, Floats]:
+def _per_cluster(problem: Problem, solution: Solution, clusters: NDArray[np.int64]) -> tuple[Floats, Floats]:
     """Score vectors (k, q) and information matrices (k, q, q) of every cluster along the directions seen.
 
     The information of a robust fit is the second derivative of its loss, averaged over each kind of window.
     The weights alone would overstate it, and the intervals would be too narrow.
     """
-    which, plausible = problem.which, problem.model.plausible
-    size = scales[which][:, [0, 0, 1]]
+    which, errors, seen = problem.which, solution.errors, solution.seen
+    size = solution.scales[which][:, [0, 0, 1]]
     each = LOSSES[problem.loss][1](errors / (DOUBT * size))
     kinds = np.bincount(which)
     sums = np.stack([np.bincount(which, one) for one in (each[:, :2].mean(axis=1), each[:, 2])], axis=1)
     stiff = np.maximum(sums / np.maximum(kinds, 1)[:, None], 0.0)[which][:, [0, 0, 1]]
-    slopes = (by * plausible) @ seen / size[:, :, None]
-    pulls = np.einsum("mrq,mr->mq", slopes, weights * errors / size)
+    slopes = (solution.by * problem.model.plausible) @ seen / size[:, :, None]
+    pulls = np.einsum("mrq,mr->mq", slopes, solution.weights * errors / size)
     bent = slopes * np.sqrt(stiff)[:, :, None]
     names = np.unique(clusters)
     rows = [clusters == name for name in names]
@@ -270,9 +261,7 @@ def _per_cluster(
     )
 
 
-def _hold(
-    problem: Problem, errors: Floats, by: Floats, weights: Floats, scales: Floats, seen: Floats
-) -> float:
+def _hold(problem: Problem, solution: Solution) -> float:
     """Composite-likelihood factor `tr(H⁻¹ J) / p`, at least 1, for correlated windows.
 
     The prior is weighted by it against the windows, so that overlapping windows do not count as independent.
@@ -280,28 +269,19 @@ def _hold(
     Source: Ribatet, Cooley & Davison, Bayesian Inference from Composite Likelihoods, Statistica Sinica 22,
     2012: the magnitude adjustment, p / tr(H⁻¹ J).
     """
-    if not seen.shape[1]:
+    if not solution.seen.shape[1]:
         return 1.0
-    clusters = _clusters(problem)[0][0]
-    pulls, stiff = _per_cluster(problem, errors, by, weights, scales, seen, clusters)
+    pulls, stiff = _per_cluster(problem, solution, _clusters(problem)[0][0])
     apart = pulls - pulls.mean(axis=0)
     share = len(pulls) / max(len(pulls) - 1, 1)
     trace = share * float(np.sum(apart * np.linalg.solve(stiff.sum(axis=0), apart.T).T))
-    return max(trace / float(seen.shape[1]), 1.0)
+    return max(trace / float(solution.seen.shape[1]), 1.0)
 
 
 def _jackknife(problem: Problem, solution: Solution, clusters: NDArray[np.int64]) -> tuple[Floats, Floats]:
     """Covariance from leaving out one cluster of windows after another, and degrees of freedom of each of the
     rover's numbers."""
-    pulls, stiff = _per_cluster(
-        problem,
-        solution.errors,
-        solution.by,
-        solution.weights,
-        solution.scales,
-        solution.seen,
-        clusters,
-    )
+    pulls, stiff = _per_cluster(problem, solution, clusters)
     # Without the one cluster that shows a direction, only the plausible deviation is known: the identity.
     whole = stiff.sum(axis=0) + np.eye(solution.seen.shape[1])
     without = np.linalg.inv(whole - stiff)

@@ -94,31 +94,22 @@ class MeasuredNoise:
         return f"MeasuredNoise({self.noise!r}, {100 * self.covered:.0f} % of {self.basis} within their bound)"
 
 
-@dataclass(frozen=True, eq=False)
-class End:
-    """Error of an end (3,), and its covariance by slip of 1 m per root m along and across each of the wheels
-    (wheels, 2, 3, 3), and by what the dimensions may be off (3, 3)."""
-
-    error: Floats
-    wheels: Floats
-    fixed: Floats
-
-
 # Errors, covariances by slip along and across, and by the rest.
 Weighed = tuple[Floats, Floats, Floats, Floats]
 
 
-class Stack(NamedTuple):
-    """Many ends: arrays of what `End` has."""
+class End(NamedTuple):
+    """Error of an end (3,), and its covariance by slip of 1 m per root m along and across each of the wheels
+    (wheels, 2, 3, 3), and by what the dimensions may be off (3, 3); or arrays of these, of many ends."""
 
-    errors: Floats
+    error: Floats
     wheels: Floats
     fixed: Floats
 
     def weighed(self, times: Floats, share: float = 0.0) -> Weighed:
         """With so many times the slip for each wheel, and a share of what the dimensions explain."""
         along, across = np.einsum("w,ewkij->keij", times * times, self.wheels)
-        return self.errors, along, across, share * self.fixed + np.diag(TRUTH**2)
+        return self.error, along, across, share * self.fixed + np.diag(TRUTH**2)
 
 
 def _bound() -> float:
@@ -193,18 +184,11 @@ def measure(
 ) -> MeasuredNoise | None:
     """Slip that makes errors most likely, sized for a session that is not among them; None without an end.
 
+    `groups` are the errors of what was left out together, `names` those of the wheels.
+
     Ends of one session go together: each tells three numbers of how large errors are, however many runs it
     has, and all weigh alike. Of a variance known from so few numbers 95 % of what is new lies within more
     than the bound of one that is known for sure: the size is that of a prediction, the wider the fewer.
-
-    Parameters
-    ----------
-    groups : sequence of sequence of End
-        Errors of what was left out together.
-    names : sequence of str
-        Of the wheels.
-    sessions : int
-        Number of sessions.
 
     Source: Fisher's F, as in Geisser, Predictive Inference: An Introduction, 1993, ch. 2.
     """
@@ -212,10 +196,9 @@ def measure(
     if not groups:
         return None
     sessions = min(sessions, len(groups))
-    parts = ("error", "wheels", "fixed")
-    stacks = [Stack(*(np.array([getattr(end, part) for end in group]) for part in parts)) for group in groups]
+    stacks = [End(*map(np.array, zip(*group, strict=True))) for group in groups]
     alike = np.ones(len(names))
-    whole = Stack(*map(np.concatenate, zip(*stacks, strict=True)))
+    whole = End(*map(np.concatenate, zip(*stacks, strict=True)))
     usual = _bound() / float(fdtri(3, 3 * sessions, COVERED))
     logs, cost = _likeliest(whole.weighed(alike))
     noise, wide = _sized(logs, [stack.weighed(alike) for stack in stacks], usual)
@@ -228,7 +211,7 @@ def measure(
     )
     # Differences between wheels and errors of the dimensions count by themselves; slip is the rest.
     common = np.exp(2.0 * logs)[:, None, None] * whole.wheels
-    told = told_apart(whole.errors, common, whole.fixed + np.diag(TRUTH**2), sessions, confidence)
+    told = told_apart(whole.error, common, whole.fixed + np.diag(TRUTH**2), sessions, confidence)
     times = alike if told is None else np.array([three_digits(one) for one in told[0]])
     logs, _ = _likeliest(whole.weighed(times, 1.0))
     beside, _ = _sized(logs, [stack.weighed(times, 1.0) for stack in stacks], usual)

@@ -26,18 +26,9 @@ def told_apart(
     """Factor on the common noise of each wheel (wheels,), with intervals (wheels, 2); None if the ends do not
     tell the wheels apart.
 
-    Parameters
-    ----------
-    errors : ndarray, shape (ends, 3)
-        Of ends.
-    by_wheel : ndarray, shape (ends, wheels, 2, 3, 3)
-        Their covariance by the common slip along and across every wheel.
-    rest : ndarray, shape (ends, 3, 3)
-        And by all else.
-    sessions : int
-        For how many ends that are independent they count.
-    confidence : float
-        Of the intervals.
+    The `errors` of ends (ends, 3) have covariances `by_wheel` by the common slip along and across every wheel
+    (ends, wheels, 2, 3, 3), and by the `rest` (ends, 3, 3). They count for as many independent ends as
+    `sessions`.
 
     Source: Wilks' theorem, with the magnitude adjustment of composite likelihoods (see `fitting`).
     """

@@ -6,7 +6,7 @@ drive it is the same with a longer `dt`, so that stretches of rest far apart sho
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -119,10 +119,30 @@ def measure(logs: Sequence[WheelLog], confidence: float) -> MeasuredGyroscope | 
     ]
     best = min(tried, key=lambda one: float(one.fun))
     allowed = float(best.fun) + 0.5 * float(chdtri(1, 1.0 - confidence))
-    noise, walk = (
-        _estimate(name, unit, place, best.x, cost, allowed, edges, rough, confidence)
-        for place, (name, unit) in enumerate((("yaw_rate", "rad/s"), ("bias_walk", "rad/s per root s")))
-    )
+
+    def estimate(place: int, name: str, unit: str) -> Estimate:
+        """A value with its interval: as far as the likelihood, the other number at its best, is not too
+        small. One that can be as small as is looked for begins at 0."""
+
+        def profile(value: float) -> float:
+            def others(other: Floats) -> float:
+                return cost(np.insert(other, place, value))
+
+            # Between them the two are nearly independent: a simplex of one dimension settles at once.
+            found = minimize(others, best.x[1 - place], method="Nelder-Mead", options={"fatol": 1e-3})
+            return float(found.fun)
+
+        interval = []
+        for edge in edges[place].tolist():
+            if profile(edge) <= allowed:
+                interval.append(0.0 if edge == edges[place, 0] else rough * math.exp(edge))
+                continue
+            end = likelihood_end(profile, allowed, float(best.x[place]), edge, close=1e-3)
+            interval.append(rough * math.exp(end))
+        value = rough * math.exp(float(best.x[place]))
+        return Estimate.of_interval(name, unit, 0.0, value, interval, confidence)
+
+    noise, walk = estimate(0, "yaw_rate", "rad/s"), estimate(1, "bias_walk", "rad/s per root s")
     biases = np.array([rates.mean() for _, rates in rests])
     period = float(np.median(np.concatenate(apart)))
     return MeasuredGyroscope(noise, walk, math.sqrt(float(np.mean(biases**2))), period, count + len(rests))
@@ -146,37 +166,3 @@ def _cost(steps: Floats, dt: Floats, white: float, walk: float) -> float:
         return math.inf
     solved = solveh_banded(band, steps, lower=True)
     return float(np.log(root[0]).sum() + 0.5 * steps @ solved)
-
-
-def _estimate(
-    name: str,
-    unit: str,
-    place: int,
-    best: Floats,
-    cost: Callable[[Floats], float],
-    allowed: float,
-    edges: Floats,
-    rough: float,
-    confidence: float,
-) -> Estimate:
-    """A value with its interval: as far as the likelihood, the other number at its best, is not too small.
-    One that can be as small as is looked for begins at 0."""
-
-    def profile(value: float) -> float:
-        def others(other: Floats) -> float:
-            trial = np.array([value, value])
-            trial[1 - place] = other[0]
-            return cost(trial)
-
-        # Between them the two are nearly independent: a simplex of one dimension settles at once.
-        return float(minimize(others, best[1 - place], method="Nelder-Mead", options={"fatol": 1e-3}).fun)
-
-    interval = []
-    for edge in edges[place].tolist():
-        if profile(edge) <= allowed:
-            interval.append(0.0 if edge == edges[place, 0] else rough * math.exp(edge))
-            continue
-        end = likelihood_end(profile, allowed, float(best[place]), edge, close=1e-3)
-        interval.append(rough * math.exp(end))
-    value = rough * math.exp(float(best[place]))
-    return Estimate.of_interval(name, unit, 0.0, value, interval, confidence)
