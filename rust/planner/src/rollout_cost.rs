@@ -97,11 +97,13 @@ pub fn rollout_cost<'a>(
     pose_logs.largest = if plan.is_some() { LARGEST_TOTAL } else { -1.0 };
     let share = workers.share_of_logs(logs, count);
     if !fresh {
-        workers.for_each((0..logs).step_by(share), |first| pose_logs.check(level, first..logs.min(first + share)))?;
+        workers.for_each_long((0..logs).step_by(share), |first, interruption| {
+            pose_logs.check(level, first..logs.min(first + share), interruption)
+        })?;
     }
     let targets = poses.chunks_mut(share * (count + 1));
     let targets = targets.zip(costs.pieces(share)).enumerate();
-    workers.for_each(targets, |(k, (poses, mut costs))| {
+    workers.for_each_long(targets, |(k, (poses, mut costs)), interruption| {
         let buffers = &mut Buffers::default();
         let block = pose_logs.block();
         let blocks = poses.chunks_mut(block * (count + 1));
@@ -109,7 +111,7 @@ pub fn rollout_cost<'a>(
             let first = k * share + b * block;
             let logs = first..first + poses.len() / (count + 1);
             if fresh {
-                pose_logs.check(level, logs.clone())?;
+                pose_logs.check(level, logs.clone(), interruption)?;
             }
             if let Some(plan) = plan {
                 level.run_any(RolloutCostKernel {
@@ -123,7 +125,7 @@ pub fn rollout_cost<'a>(
                 continue;
             }
             for (j, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
-                pose_logs.integrate(level, first + j, true, poses, buffers)?;
+                pose_logs.integrate(level, first + j, true, poses, buffers, interruption)?;
                 let one = first + j..first + j + 1;
                 let logs = pose_logs.logs(one, buffers);
                 costs.set(j, worst(rover, logs.twists, logs.steps, previous));

@@ -142,6 +142,19 @@ WRONG = {
         lambda: sw.Terrain(np.zeros((3, 3)), "12"),
         "spacing must be a number, got '12'",
     ),
+    "spacing of three": (
+        lambda: sw.Costmap(np.zeros((3, 3)), [1, 2, 3]),
+        "spacing must be a number or two numbers, got [1, 2, 3]",
+    ),
+    # The text of these was that of the array, in several lines.
+    "horizon as a table": (
+        lambda: sw.Mppi(ROVER, horizon=np.zeros((2, 3))),
+        "horizon must be a whole number, got array([[0., 0., 0.], [0., 0., 0.]])",
+    ),
+    "seed as a table": (
+        lambda: sw.Mppi(ROVER, seed=np.eye(2)),
+        "seed must be a whole number, got array([[1., 0.], [0., 1.]])",
+    ),
 }
 
 

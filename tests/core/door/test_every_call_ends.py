@@ -174,6 +174,19 @@ def test_long_calls_end(name: str, tmp_path: Path) -> None:
     assert not [path for path in tmp_path.iterdir() if path.is_file() and path.name.startswith(".")]
 
 
+def test_one_long_log_ends() -> None:
+    """Signals were taken between logs alone: 20 million rows of one went on for 1.9 s."""
+    twists = np.broadcast_to((0.1, 0.0, 0.01), (1 << 24, 3))
+
+    def run() -> object:
+        return sw.integrate(twists, 0.1)
+
+    begin = time.monotonic()
+    run()
+    with interrupter() as interrupt:
+        assert late(interrupt, run, time.monotonic() - begin) == []
+
+
 @pytest.mark.parametrize("kind", TABLES)
 def test_tables_end(kind: str, tmp_path: Path) -> None:
     for method in METHODS:

@@ -1,6 +1,7 @@
 """Arguments of a suspension: any numbers, no rows, wrong ones."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -72,6 +73,27 @@ def test_turns_past_the_steering_limit_are_refused():
     with pytest.raises(sw.InfeasibleMotionError, match=r"twist\[1\] must"):
         ROCKY.steer([0.3, 0.05], 0.3, [(0.0, 0.0, 0.0)] * 2)
     assert sw.RockerBogie(**ROCKY.dimensions | {"steering_limit": 1.5}).steer(0.05, 0.3, (0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    "argument", ["bogie_pivot", "bogie_to_front", "bogie_to_middle", "rear_pivot", "rear_to_wheel"]
+)
+@pytest.mark.parametrize("axis", range(3))
+def test_a_dimension_of_three_bogies_is_named(argument, axis):
+    """It was "origin" or "centre", of a part of the chain."""
+    said = {
+        "bogie_pivot": (0.3, 0.4, 0.1),
+        "bogie_to_front": (0.3, 0.1, -0.1),
+        "bogie_to_middle": (-0.3, 0.1, -0.1),
+        "rear_pivot": (-0.5, 0.0, 0.1),
+        "rear_to_wheel": (-0.1, 0.4, -0.1),
+    }
+    wrong = list(said[argument])
+    wrong[axis] = math.nan
+    with pytest.raises(
+        ValueError, match=rf"^{argument} must be finite, got {re.escape(repr(tuple(wrong)))}$"
+    ):
+        sw.Suspension.triple_bogie(**said | {argument: wrong}, wheel_radius=0.1)
 
 
 @pytest.mark.parametrize(

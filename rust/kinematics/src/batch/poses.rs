@@ -13,10 +13,13 @@ use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::sizes::sum_of_sizes;
 use six_wheel_numerics::stream::is_large;
-use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_numerics::threads::workers::{Interruption, Workers};
 
 /// Logs up to this long are checked and read several at a time.
 const SHORT_LOG: usize = 1024;
+
+/// Blocks of long logs, 2^20 rows, between two questions whether the call is interrupted.
+const BLOCKS_BETWEEN_CHECKS: usize = 512;
 
 /// Logs in the lanes of a register: as many as the widest register has.
 const GROUP: usize = 8;
@@ -87,6 +90,18 @@ impl<'a> PoseLogs<'a> {
         (BLOCK_ROWS / self.count.max(1)).next_multiple_of(GROUP).max(GROUP)
     }
 
+    /// First steps of the blocks of a log, each after the question whether the call is interrupted where that is due,
+    /// counted over all logs.
+    fn blocks(&self, log: usize, interruption: &Interruption) -> impl Iterator<Item = Result<usize, Error>> {
+        let count = self.count.div_ceil(BLOCK_ROWS);
+        (0..count).map(move |k| {
+            if (log * count + k) % BLOCKS_BETWEEN_CHECKS == BLOCKS_BETWEEN_CHECKS - 1 {
+                interruption.check()?;
+            }
+            Ok(k * BLOCK_ROWS)
+        })
+    }
+
     /// The steps of a log from `first` on, at most a block of them.
     fn piece<'b>(&self, log: usize, first: usize, buffers: &'b mut Buffers) -> (&'b [[f64; 3]], Steps<'b>)
     where
@@ -127,8 +142,8 @@ impl<'a> PoseLogs<'a> {
         start + sizes * self.longest * 2.0 <= self.largest
     }
 
-    /// Fails at the first step that does not lead to a finite pose.
-    pub fn check(&self, level: Level, logs: Range<usize>) -> Result<(), Error> {
+    /// Fails at the first step that does not lead to a finite pose, or once the call is interrupted.
+    pub fn check(&self, level: Level, logs: Range<usize>, interruption: &Interruption) -> Result<(), Error> {
         let buffers = &mut Buffers::default();
         let short = self.count <= SHORT_LOG;
         let mut rest = logs;
@@ -143,32 +158,33 @@ impl<'a> PoseLogs<'a> {
             };
             if !self.is_small(starts, sum_of_sizes(level, numbers)) {
                 for log in block {
-                    self.check_steps(log, buffers)?;
+                    self.check_steps(log, buffers, interruption)?;
                 }
             }
             rest.start = end;
         }
         for log in rest {
             let mut bound = LogBound::new(self, log);
-            for first in (0..self.count).step_by(BLOCK_ROWS) {
-                let twists = self.piece(log, first, buffers).0;
+            for first in self.blocks(log, interruption) {
+                let twists = self.piece(log, first?, buffers).0;
                 if !bound.holds(level, twists) {
-                    self.check_steps(log, buffers)?;
+                    self.check_steps(log, buffers, interruption)?;
                     break;
                 }
             }
             // The start of a log without steps.
             if !bound.holds(level, &[]) {
-                self.check_steps(log, buffers)?;
+                self.check_steps(log, buffers, interruption)?;
             }
         }
         Ok(())
     }
 
     /// [`Self::check`] of one log, step by step.
-    fn check_steps(&self, log: usize, buffers: &mut Buffers) -> Result<(), Error> {
+    fn check_steps(&self, log: usize, buffers: &mut Buffers, interruption: &Interruption) -> Result<(), Error> {
         let mut bound = Bound::new(self.start(log))?;
-        for first in (0..self.count).step_by(BLOCK_ROWS) {
+        for first in self.blocks(log, interruption) {
+            let first = first?;
             let (twists, steps) = self.piece(log, first, buffers);
             let from = log * self.count + first;
             for (k, twist) in twists.iter().enumerate() {
@@ -190,6 +206,7 @@ impl<'a> PoseLogs<'a> {
         mut checked: bool,
         poses: &mut [[f64; 3]],
         buffers: &mut Buffers,
+        interruption: &Interruption,
     ) -> Result<(), Error> {
         let start = self.start(log);
         let Some((first, poses)) = poses.split_first_mut() else {
@@ -198,19 +215,20 @@ impl<'a> PoseLogs<'a> {
         *first = start;
         let mut bound = LogBound::new(self, log);
         if !(checked || bound.holds(level, &[])) {
-            self.check_steps(log, buffers)?;
+            self.check_steps(log, buffers, interruption)?;
             checked = true;
         }
         let mut pose = PoseAccumulator::new(start);
-        for (k, poses) in poses.chunks_mut(BLOCK_ROWS).enumerate() {
-            let (twists, steps) = self.piece(log, k * BLOCK_ROWS, buffers);
+        for (first, poses) in self.blocks(log, interruption).zip(poses.chunks_mut(BLOCK_ROWS)) {
+            let first = first?;
+            let (twists, steps) = self.piece(log, first, buffers);
             if checked || bound.holds(level, twists) {
                 integrate_steps(level, twists, steps, poses, self.non_temporal, &mut pose);
                 continue;
             }
-            self.check_steps(log, buffers)?;
+            self.check_steps(log, buffers, interruption)?;
             checked = true;
-            let (twists, steps) = self.piece(log, k * BLOCK_ROWS, buffers);
+            let (twists, steps) = self.piece(log, first, buffers);
             integrate_steps(level, twists, steps, poses, self.non_temporal, &mut pose);
         }
         Ok(())
@@ -257,15 +275,17 @@ pub fn integrate<'a>(
     let share = workers.share_of_logs(logs, count);
     if !fresh {
         let shares = (0..logs).step_by(share);
-        workers.for_each(shares, |first| pose_logs.check(level, first..logs.min(first + share)))?;
+        workers.for_each_long(shares, |first, interruption| {
+            pose_logs.check(level, first..logs.min(first + share), interruption)
+        })?;
     }
     let targets = poses.chunks_mut(share * (count + 1)).enumerate();
-    workers.for_each(targets, |(k, poses)| {
+    workers.for_each_long(targets, |(k, poses), interruption| {
         let buffers = &mut Buffers::default();
         let first = k * share;
         if count > SHORT_LOG {
             for (k, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
-                pose_logs.integrate(level, first + k, !fresh, poses, buffers)?;
+                pose_logs.integrate(level, first + k, !fresh, poses, buffers, interruption)?;
             }
             return Ok(());
         }
@@ -274,7 +294,7 @@ pub fn integrate<'a>(
             let first = first + k * block;
             let logs = first..first + poses.len() / (count + 1);
             if fresh {
-                pose_logs.check(level, logs.clone())?;
+                pose_logs.check(level, logs.clone(), interruption)?;
             }
             integrate_logs(level, pose_logs.logs(logs, buffers), poses, pose_logs.non_temporal);
         }

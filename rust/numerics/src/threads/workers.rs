@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::thread;
+use std::thread::{self, ThreadId};
 
 use super::pool;
 use crate::columns::BLOCK;
@@ -30,6 +30,28 @@ pub type IsInterrupted = fn() -> bool;
 /// [`IsInterrupted`] of calls that cannot be interrupted.
 pub fn never() -> bool {
     false
+}
+
+/// Interruption of one call: the thread of the caller asks, and every thread ends by its answer.
+#[derive(Debug)]
+pub struct Interruption {
+    is_interrupted: IsInterrupted,
+    caller: ThreadId,
+    ended: AtomicBool,
+}
+
+impl Interruption {
+    fn new(is_interrupted: IsInterrupted) -> Self {
+        Self { is_interrupted, caller: thread::current().id(), ended: AtomicBool::new(false) }
+    }
+
+    /// Fails once the call is interrupted. Jobs that take long call it between their parts.
+    pub fn check(&self) -> Result<(), Error> {
+        if thread::current().id() == self.caller && (self.is_interrupted)() {
+            self.ended.store(true, Ordering::Relaxed);
+        }
+        if self.ended.load(Ordering::Relaxed) { Err(Error::interrupted()) } else { Ok(()) }
+    }
 }
 
 /// Instructions and threads of a batch. Results depend on the instructions in their last digits, on the number
@@ -116,6 +138,15 @@ impl Workers {
         jobs: impl Iterator<Item = J> + Send,
         work: impl Fn(J) -> Result<(), Error> + Sync,
     ) -> Result<(), Error> {
+        self.for_each_long(jobs, |job, _| work(job))
+    }
+
+    /// [`Self::for_each`] of jobs that may take long and end with the interruption of the call.
+    pub fn for_each_long<J: Send>(
+        self,
+        jobs: impl Iterator<Item = J> + Send,
+        work: impl Fn(J, &Interruption) -> Result<(), Error> + Sync,
+    ) -> Result<(), Error> {
         let jobs_at_most = jobs.size_hint().1.unwrap_or(usize::MAX);
         share_jobs(self.thread_count().min(jobs_at_most), jobs, work, self.is_interrupted)
     }
@@ -130,32 +161,29 @@ const MOST_HELPERS: usize = 63;
 fn share_jobs<J: Send>(
     threads: usize,
     jobs: impl Iterator<Item = J> + Send,
-    work: impl Fn(J) -> Result<(), Error> + Sync,
+    work: impl Fn(J, &Interruption) -> Result<(), Error> + Sync,
     is_interrupted: IsInterrupted,
 ) -> Result<(), Error> {
+    let interruption = Interruption::new(is_interrupted);
     if threads <= 1 {
         for (number, job) in jobs.enumerate() {
-            if number > 0 && is_interrupted() {
-                return Err(Error::interrupted());
+            if number > 0 {
+                interruption.check()?;
             }
-            work(job)?;
+            work(job, &interruption)?;
         }
         return Ok(());
     }
-    let (caller, ended) = (thread::current().id(), AtomicBool::new(false));
     let queue = Mutex::new(jobs.enumerate());
     let failed: Mutex<Option<(usize, Error)>> = Mutex::new(None);
     let work_through = || {
         loop {
             let next = queue.lock().unwrap_or_else(PoisonError::into_inner).next();
             let Some((number, job)) = next else { return };
-            if number > 0 && thread::current().id() == caller && is_interrupted() {
-                ended.store(true, Ordering::Relaxed);
-            }
-            if ended.load(Ordering::Relaxed) {
+            if number > 0 && interruption.check().is_err() {
                 return;
             }
-            if let Err(error) = work(job) {
+            if let Err(error) = work(job, &interruption) {
                 let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
                 if failed.as_ref().is_none_or(|(first, _)| number < *first) {
                     *failed = Some((number, error));
@@ -164,7 +192,7 @@ fn share_jobs<J: Send>(
         }
     };
     pool::run(threads - 1, &work_through);
-    if ended.into_inner() {
+    if interruption.ended.into_inner() {
         return Err(Error::interrupted());
     }
     let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);

@@ -57,6 +57,23 @@ fn an_interruption_ends_the_call_with_any_number_of_threads() {
 }
 
 #[test]
+fn an_interruption_ends_long_jobs_of_all_threads() {
+    static ASKED: AtomicBool = AtomicBool::new(false);
+    for threads in [1, 2, 3] {
+        ASKED.store(false, Ordering::Relaxed);
+        let is_interrupted = || ASKED.load(Ordering::Relaxed);
+        let workers = Workers { threads, is_interrupted, ..Workers::PLAIN };
+        let ended = workers.for_each_long(0..3, |_, interruption| {
+            ASKED.store(true, Ordering::Relaxed);
+            loop {
+                interruption.check()?;
+            }
+        });
+        assert_eq!(ended, Err(Error::interrupted()));
+    }
+}
+
+#[test]
 fn every_job_is_done_once_and_the_first_failure_is_told() {
     for count in [0, 1, 2, 7, 1000] {
         let mut done = vec![0; count];

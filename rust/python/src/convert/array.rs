@@ -199,8 +199,13 @@ pub fn not_rectangular(argument: &str, value: &Bound<'_, PyAny>, error: PyErr) -
 
 /// A number of a constructor.
 pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    number_by_rule(argument, "be a number", value)
+}
+
+/// A number; another value is refused by this rule.
+fn number_by_rule(argument: &str, rule: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     let py = value.py();
-    let refused = || refuse_type(argument, "be a number", short_repr(value));
+    let refused = || refuse_type(argument, rule, short_repr(value));
     if value.is_instance_of::<PyBool>() {
         return Err(refused());
     }
@@ -213,7 +218,8 @@ pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
 pub fn pair_or_one(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Result<[f64; 2], f64>> {
     let is_text = value.is_instance_of::<PyString>() || value.is_instance_of::<PyBytes>();
     let Some([first, second]) = value.extract::<[Bound<'_, PyAny>; 2]>().ok().filter(|_| !is_text) else {
-        return number(argument, value).map(Err);
+        let rule = if is_text { "be a number" } else { "be a number or two numbers" };
+        return number_by_rule(argument, rule, value).map(Err);
     };
     Ok(Ok([number(&format!("{argument}[0]"), &first)?, number(&format!("{argument}[1]"), &second)?]))
 }

@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use six_wheel_ground_motion::{SlipInput, SlipTest, Slips, slip_rows};
 
 use super::settled_pose_input::Stands;
-use crate::convert::{OrRaise, Out, Output, Rows, compute_rows, joined, refuse, together};
+use crate::convert::{OrRaise, Out, Output, Rows, compute_rows, joined, refuse, short_repr, together};
 use crate::suspension::Suspension;
 use crate::workers::workers;
 
@@ -142,7 +142,7 @@ functions! {
     -> PyResult<BodySlip> {
         let length = navigated.len().unwrap_or(0);
         if !(1..=6).contains(&length) {
-            return Err(refuse("navigated", "hold one to six numbers", navigated.repr()?));
+            return Err(refuse("navigated", "hold one to six numbers", short_repr(navigated)));
         }
         let navigated = Rows::read("navigated", navigated, length)?.over(&[])?.finite()?;
         let kinematic = Rows::read("kinematic", kinematic, length)?.over(&[])?.finite()?;

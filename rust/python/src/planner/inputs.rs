@@ -5,7 +5,7 @@ use pyo3::types::PyDict;
 use six_wheel_planner::{Precision, Weights};
 
 use super::costmap::Costmap;
-use crate::convert::{Rows, memory, number, refuse, refuse_type};
+use crate::convert::{Rows, memory, number, refuse, refuse_type, short_repr};
 
 /// The state of the rover as the attributes of an object.
 pub struct Seen<'py> {
@@ -42,10 +42,8 @@ pub fn check_frame(costmap: Option<&Bound<'_, Costmap>>, frame: Option<&str>) ->
 
 /// A whole number that is not negative.
 pub fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
-    let index = value.call_method0("__index__").map_err(|_| {
-        let got = value.repr().map_or_else(|_| "an object".into(), |repr| repr.to_string());
-        refuse_type(argument, "be a whole number", &got)
-    })?;
+    let index = value.call_method0("__index__");
+    let index = index.map_err(|_| refuse_type(argument, "be a whole number", short_repr(value)))?;
     index.extract::<u64>().map_err(|_| {
         refuse(argument, if argument == "seed" { "be 0 to 2^64 - 1" } else { "be a whole number from 0 on" }, index)
     })
@@ -61,7 +59,7 @@ pub fn precision(dtype: &Bound<'_, PyAny>) -> PyResult<Precision> {
     match name.as_deref() {
         Ok("float32") => Ok(Precision::Single),
         Ok("float64") => Ok(Precision::Double),
-        _ => Err(refuse("dtype", "be float32 or float64", dtype.repr()?)),
+        _ => Err(refuse("dtype", "be float32 or float64", short_repr(dtype))),
     }
 }
 

@@ -86,9 +86,11 @@ impl Chain {
         positive("wheel_radius", of.wheel_radius)?;
         of.steering.check()?;
         of.bogie_limit.check("bogie_limit")?;
-        finite("bogie_pivot", &of.bogie_pivot[1..2])?;
-        finite("bogie_to_front", &of.bogie_to_front[1..2])?;
-        finite("bogie_to_middle", &of.bogie_to_middle[1..2])?;
+        finite("bogie_pivot", &of.bogie_pivot)?;
+        finite("bogie_to_front", &of.bogie_to_front)?;
+        finite("bogie_to_middle", &of.bogie_to_middle)?;
+        finite("rear_pivot", &of.rear_pivot)?;
+        finite("rear_to_wheel", &of.rear_to_wheel)?;
         let part = |name: &'static str, origin, axis, joint| ChainLink {
             name: name.into(),
             parent: None,
