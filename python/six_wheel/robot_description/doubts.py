@@ -35,13 +35,8 @@ class Option(str):
 
 
 class DoubtError(ValueError):
-    """Input that leaves something open. Its text has what settles it, as Python writes it.
-
-    Parameters
-    ----------
-    *parts : str or Proposal
-        The text, in order.
-    """
+    """Input that leaves something open. Its text, `parts` in order, has what settles it, as Python writes
+    it."""
 
     def __init__(self, *parts: str | Proposal) -> None:
         super().__init__("".join(part if isinstance(part, str) else part.argument for part in parts))

@@ -217,28 +217,19 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: FileFi
     for key, word in NONE_WORDS.items():
         if named.get("control", {}).get(key) == word:
             named["control"] = named["control"] | {key: None}
-    try:
-        named["limits"] = without_questions(lambda: Limits(**values.get("limits", {})))
-    except ValueError as error:  # limits that do not fit each other
-        _refuse(found, error, log)
     controller = form.name if form in FOREIGN else None
     of_kind = form.kind if form.kind_of is None else form.kind_of(values)
-    parameters = Parameters(
-        path, found.node, rover, **named, warnings=log.in_order(), kind=of_kind, controller=controller,
-        kind_given=kind,
-    )  # fmt: skip
-    _check_controller(found, parameters, log)
-    return parameters
-
-
-def _check_controller(section: Section, parameters: Parameters, log: FileFindings) -> None:
-    """Refuses limits and options of a controller that fit neither each other nor the rover."""
-    if not {"limits", "control"} & section.data.keys():
-        return
     try:
-        parameters.build_controller()
+        named["limits"] = without_questions(lambda: Limits(**values.get("limits", {})))
+        parameters = Parameters(
+            path, found.node, rover, **named, warnings=log.in_order(), kind=of_kind, controller=controller,
+            kind_given=kind,
+        )  # fmt: skip
+        if {"limits", "control"} & found.data.keys():
+            parameters.build_controller()
     except ValueError as error:
-        _refuse(section, error, log)
+        _refuse(found, error, log)
+    return parameters
 
 
 def _refuse(section: Section, error: ValueError, log: FileFindings) -> NoReturn:

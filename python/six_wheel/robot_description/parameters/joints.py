@@ -8,7 +8,7 @@ the order of a list count, and then only if no joint in it tells its wheel.
 
 import itertools
 from collections.abc import Mapping
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Self
 
 from six_wheel._core import Rover
 from six_wheel.robot_description.joint_names import agree, said_by, wheel_said_by
@@ -27,6 +27,12 @@ class JointList(NamedTuple):
     """Joints are in the order of `wheels`: "names" never; "silent" where no joint's name tells its wheel;
     "expected" the same, and a name that tells another wheel is a warning; "fixed" always."""
     steers: bool = False  # and not drive
+
+    @classmethod
+    def of(cls, rover: Rover, key: str, wheels: tuple[str, ...], **others: Any) -> Self:
+        """The list of a key for some wheels of a rover; the others have no joint in it."""
+        elsewhere = tuple(name for name in rover.wheel_names if name not in wheels)
+        return cls(key, wheels, elsewhere, **others)
 
 
 def wheels_of_joints(

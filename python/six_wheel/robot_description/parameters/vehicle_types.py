@@ -205,14 +205,9 @@ def _own_lists(values: Values, rover: Rover) -> list[JointList]:
     silent = all(place is None or said.count(place) > 1 for place in said)
     order: Literal["names", "silent"] = "silent" if silent else "names"
     driven = tuple(wheel.name for wheel in rover.wheels if wheel.driven)
-    steered = rover.steered_wheel_names
-    rest = {
-        wheels: tuple(name for name in rover.wheel_names if name not in wheels)
-        for wheels in (driven, steered)
-    }
     return [
-        JointList("traction_joints", driven, rest[driven], "has no motor", order),
-        JointList("steering_joints", steered, rest[steered], order=order, steers=True),
+        JointList.of(rover, "traction_joints", driven, lack="has no motor", order=order),
+        JointList.of(rover, "steering_joints", rover.steered_wheel_names, order=order, steers=True),
     ]
 
 

@@ -1,12 +1,7 @@
 """Finds the wheels of a tree, their steering joints and the signs of both, from the geometry.
 
 A wheel is a hinge that turns endlessly about a horizontal axis, near the ground, with nothing driven below
-it; the hinge above it about an upright axis steers it. With `a` the axle's direction, a positive speed rolls
-the wheel along `a x z`. Where that is backwards the joint is reversed, and where a steering axis points down.
-
-At the height of the wheel's centre the steering axis is at the pivot; from there to the centre it is the
-trail backwards and the scrub to the left. Tilted axes move the wheel as an upright one there does, to first
-order in the tilt.
+it; `wheel_geometry` measures it.
 """
 
 import math

@@ -37,13 +37,7 @@ def rover_urdf(rover: Rover, name: str = "rover") -> str:
 
 @checked()
 def suspension_urdf(suspension: RockerBogie, name: str = "rover") -> str:
-    """See `RockerBogie.urdf`.
-
-    Raises
-    ------
-    ValueError
-        If a URDF cannot hold the suspension: what is read back differs.
-    """
+    """See `RockerBogie.urdf`. Raises `ValueError` if what is read back differs."""
     text = _text(_Description(name).suspended(suspension.planar(), suspension))
     if (found := _read_back(text).suspension) != suspension:
         got = f"{suspension!r}, which comes back as {found!r}"

@@ -16,8 +16,7 @@ def stated_joints(values: Values, rover: Rover) -> list[JointList]:
     for key, steers in (("traction_joints", False), ("steering_joints", True)):
         wheels = rover.steered_wheel_names if steers else tuple(w.name for w in rover.wheels if w.driven)
         if key in values:
-            others = tuple(name for name in rover.wheel_names if name not in wheels)
-            lists.append(JointList(key, wheels, others, steers=steers))
+            lists.append(JointList.of(rover, key, wheels, steers=steers))
     return lists
 
 

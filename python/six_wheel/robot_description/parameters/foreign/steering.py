@@ -147,25 +147,22 @@ def _steering_range(values: Values) -> tuple[float, float] | None:
 
 def right_before_left(values: Values, rover: Rover) -> list[JointList]:
     """Lists that the controller reads by position."""
-    names = rover.wheel_names
     driven = tuple(wheel.name for wheel in rover.wheels if wheel.driven)[::-1]
     steered = rover.steered_wheel_names[::-1]
     lists = []
     kinds = ((DRIVES, driven, "has no motor", False), (STEERS, steered, "does not steer", True))
     for keys, wheels, lack, steers in kinds:
-        elsewhere = tuple(name for name in names if name not in wheels)
         known = _older(keys, values)
         key = next((key for key in known if is_set(values.get(key))), known[0])
-        lists.append(JointList(key, wheels, elsewhere, lack, "expected", steers=steers))
+        lists.append(JointList.of(rover, key, wheels, lack=lack, order="expected", steers=steers))
     return lists
 
 
 def steered_wheel(values: Values, rover: Rover) -> list[JointList]:
     steered = rover.steered_wheel_names
-    others = tuple(name for name in rover.wheel_names if name not in steered)
     return [
-        JointList("traction_joint_name", steered, others, "has no motor"),
-        JointList("steering_joint_name", steered, others, steers=True),
+        JointList.of(rover, "traction_joint_name", steered, lack="has no motor"),
+        JointList.of(rover, "steering_joint_name", steered, steers=True),
     ]
 
 
