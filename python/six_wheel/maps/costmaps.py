@@ -3,6 +3,7 @@
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 import math
+import re
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,9 @@ from six_wheel.robot_description.missing_files import near_file
 Floats = NDArray[np.float64]
 UNKNOWN, LETHAL = 0.5, 0.65
 """Cost of what is not known; cost from which on a place is forbidden, which is nav2's ``occupied_thresh``."""
+_WORD = re.compile(
+    rb"(?:\s|#[^\n]*(?:\n|\Z))*+([^\s#]\S*)"
+)  # of the header of a PGM, behind blanks and comments
 
 
 def from_occupancy_grid(
@@ -176,17 +180,9 @@ def _pgm(path: Path, content: bytes) -> Floats:
     """A portable grey map, plain or raw. Source: netpbm, format pgm(5)."""
     header: list[bytes] = []
     at = 0
-    while len(header) < 4 and at < len(content):
-        if content[at : at + 1] == b"#":
-            at = content.find(b"\n", at) + 1 or len(content)
-        elif content[at : at + 1].isspace():
-            at += 1
-        else:
-            end = at
-            while end < len(content) and not content[end : end + 1].isspace():
-                end += 1
-            header.append(content[at:end])
-            at = end
+    while len(header) < 4 and (found := _WORD.match(content, at)):
+        header.append(found[1])
+        at = found.end()
     try:
         columns, rows, most = (int(number) for number in header[1:])
         if most < 1:

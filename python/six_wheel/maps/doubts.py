@@ -8,31 +8,6 @@ from typing import Any
 
 from six_wheel.robot_description.doubts import Proposal
 
-__all__ = [
-    "Words",
-    "all_marked",
-    "another_mark",
-    "answer",
-    "band_by_name",
-    "cells_of_bits",
-    "counts_without_unit",
-    "flagged_heights",
-    "listed",
-    "named",
-    "named_unit",
-    "no_corners",
-    "no_name_of_that",
-    "no_place",
-    "no_spacing",
-    "own_place",
-    "picture_bands",
-    "several",
-    "steep_heights",
-    "two_units",
-    "unknown_unit",
-    "whole_heights",
-]
-
 Words = tuple[str | Proposal, ...]
 
 
