@@ -1,22 +1,16 @@
 """A track as what sits somewhere in the body has it: poses, twists and covariances by a lever arm."""
 
-from __future__ import annotations  # NumPy is not loaded for its names
-
 from dataclasses import replace
-from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from six_wheel.kinematics.odometry.tracks import Track
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
-    from six_wheel.kinematics.poses import Floats
+from six_wheel.kinematics.poses import Floats, as_poses, inverse, joined
 
 
 def mount(sensor: ArrayLike) -> Floats:
     """The pose of a sensor in the body, shape (3,). Raises `ValueError` if it is not three finite numbers."""
-    import numpy as np
-
     pose = np.asarray(sensor, dtype=np.float64)
     if pose.shape != (3,) or not np.isfinite(pose).all():
         raise ValueError(f"sensor must be three finite numbers, x, y and yaw, got {sensor!r}")
@@ -27,10 +21,6 @@ def start_of_body(
     start: ArrayLike, covariance: ArrayLike | None, sensor: Floats
 ) -> tuple[Floats, Floats | None]:
     """Pose of the body whose sensor is at `start`, and the covariance of that pose."""
-    import numpy as np
-
-    from six_wheel.kinematics.poses import as_poses, inverse, joined
-
     seen = as_poses("start", np.atleast_2d(np.asarray(start, dtype=np.float64)), 1)
     body = joined(seen, inverse(sensor))
     if covariance is None:
@@ -42,10 +32,6 @@ def start_of_body(
 
 def seen_by(track: Track, sensor: Floats) -> Track:
     """The track of the sensor: world poses, twists in its own axes, covariances in world axes."""
-    import numpy as np
-
-    from six_wheel.kinematics.poses import joined
-
     vx, vy, omega = track.twists.T
     moved = np.stack((vx - omega * sensor[1], vy + omega * sensor[0]), axis=-1)
     cos, sin = np.cos(sensor[2]), np.sin(sensor[2])
@@ -59,8 +45,6 @@ def seen_by(track: Track, sensor: Floats) -> Track:
 
 def _carry(body: Floats, sensor: Floats) -> Floats:
     """Derivatives of the sensor's poses by those of the body (n, 3), shape (n, 3, 3)."""
-    import numpy as np
-
     cos, sin = np.cos(body[:, 2]), np.sin(body[:, 2])
     by = np.tile(np.eye(3), (len(body), 1, 1))
     by[:, 0, 2] = -(sin * sensor[0] + cos * sensor[1])

@@ -1,5 +1,6 @@
 """One slip report of a track that comes in pieces."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -24,29 +25,22 @@ class SlipSum:
 
     def __init__(self) -> None:
         self._rows = self._moving = 0
-        self._squares: Floats | float = 0.0
-        self._sums: Floats | float = 0.0
-        self._leads: Floats | float = 0.0
-        self._weights: Floats | float = 0.0
+        # By wheel: squares of residuals, residuals, rows in which it leads, weights (NaN without).
+        self._sums: Floats = np.zeros((4, 1))
         self._worst: list[tuple[float, int]] = []
         self._windows: list[SlipWindow] = []
-        self._weighted = False
 
     def add(self, track: Track, rows: NDArray[np.int64]) -> None:
         """Take in the next piece, whose rows have these numbers in the file."""
         report = track.slip_report(gap=GAP)
         if not report.rows:
             return
-        values = np.array([(wheel.rms, wheel.mean, wheel.worst_share) for wheel in report.wheels]).T
-        moving = self._moving_rows(track)
-        self._rows += report.rows
+        values = [(each.rms * each.rms, each.mean, each.worst_share, each.weight) for each in report.wheels]
+        rows_of, moving = report.rows, self._moving_rows(track)
+        self._rows += rows_of
         self._moving += moving
-        self._squares += values[0] ** 2 * report.rows
-        self._sums += values[1] * report.rows
-        self._leads += values[2] * moving
-        if report.wheels[0].weight is not None:
-            self._weighted = True
-            self._weights += np.array([wheel.weight for wheel in report.wheels]) * report.rows
+        shares = np.array(values, dtype=np.float64).T
+        self._sums = self._sums + shares * np.array([rows_of, rows_of, moving, rows_of])[:, None]
         worst = [(wheel.worst, int(rows[wheel.worst_row])) for wheel in report.wheels]
         self._worst = [max(pair) for pair in zip(self._worst, worst, strict=True)] if self._worst else worst
         for window in report.windows:
@@ -76,15 +70,13 @@ class SlipSum:
         """The report of all pieces."""
         if not self._rows:
             return SlipReport((), (), 0, can_contradict(rover))
-        rms, mean = np.sqrt(self._squares / self._rows), self._sums / self._rows
-        share = self._leads / max(self._moving, 1)
-        weights = self._weights / self._rows if self._weighted else [None] * len(self._worst)
-        figures = zip(rover.wheel_names, rms, mean, self._worst, share, weights, strict=True)  # type: ignore[arg-type]
+        squares, mean, _, weights = self._sums / self._rows
+        figures = np.column_stack((np.sqrt(squares), mean, self._sums[2] / max(self._moving, 1), weights))
         wheels = tuple(
-            WheelContradiction(
-                name, float(r), float(m), worst, row, float(s), None if w is None else float(w)
+            WheelContradiction(name, r, m, worst, row, s, None if math.isnan(w) else w)
+            for name, (worst, row), (r, m, s, w) in zip(
+                rover.wheel_names, self._worst, figures.tolist(), strict=True
             )
-            for name, r, m, (worst, row), s, w in figures
         )
         largest = max(worst for worst, _ in self._worst)
         return SlipReport(wheels, tuple(self._windows), self._rows, can_contradict(rover, largest))

@@ -95,16 +95,9 @@ def lost_stretches(
 ) -> tuple[Stretch, ...]:
     """Stretches in which the motion errs by far more than it usually does.
 
-    Parameters
-    ----------
-    stamps : ndarray, shape (n,)
-        Of the poses [s], none before the one above it.
-    estimate, truth : ndarray, shape (n, 3)
-        Poses at those times [m, m, rad].
-    reach : float
-        Origin to the farthest wheel [m]: a turn counts as what that wheel drives.
-    least : float
-        Share of a usual motion by which a motion errs at least.
+    `estimate` and `truth` are poses (n, 3) [m, m, rad] at the `stamps` (n,) [s], none before the one above
+    it. `reach` is from the origin to the farthest wheel [m]: a turn counts as what that wheel drives. A
+    motion errs by the share `least` of a usual one at least.
     """
     first = np.arange(len(stamps))
     last = np.searchsorted(stamps, stamps + SPAN)
