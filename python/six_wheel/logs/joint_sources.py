@@ -207,8 +207,7 @@ def refuse_counts(source: JointSource, part: str, keys: Mapping[str, Any]) -> No
     names = [f"{part} {wheel}" for wheel in wheels]
     try:
         for batch in source.rows.batches(CHUNK):
-            values = [batch.values.get(name, np.full(len(batch), np.nan)) for name in names]
-            raw = np.stack(values, axis=1)
+            raw = batch.columns(names)
             stamps = np.arange(len(batch), dtype=float)
             if of_steering:
                 checks.take(stamps, np.zeros((len(batch), 0)), None, raw, batch.rows)

@@ -5,7 +5,7 @@ chunks, in constant memory. A row that cannot be used is left out and reported w
 is lost.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,7 +17,6 @@ from six_wheel._core import Rover
 from six_wheel.kinematics.errors import TableError
 from six_wheel.kinematics.keywords import checked_class
 from six_wheel.kinematics.objects.closing import Closing
-from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.bags.bag_files import Topics
 from six_wheel.logs.ground_truth import TRUTH, poses_of, read_truth
 from six_wheel.logs.gyroscope.rates import Turning, about_z, edges_of
@@ -275,22 +274,24 @@ class JointLog(Closing):
             parts.append(part)
             if progress is not None:
                 progress(self.position, self.size)
-        stamps, angles = (np.concatenate([getattr(p, n) for p in parts]) for n in ("stamps", "wheel_angles"))
-        steering = None if parts[0].steering is None else np.concatenate([p.steering for p in parts])
+
+        def column(name: str) -> Any:
+            each = [getattr(part, name) for part in parts]
+            return None if each[0] is None else np.concatenate(each)
+
+        stamps, angles, steering, poses, rates = map(
+            column, ("stamps", "wheel_angles", "steering", "truth", "yaw_rate")
+        )
         known = None
         try:
             if truth is not None:
                 options: Any = {"columns": truth_columns, "topic": truth_topic, "progress": progress}
-                times, poses, findings = read_truth(truth, origin=self.origin, **options)
-                known = GroundTruth(times, poses)
-                self.truth_findings = findings
-            elif parts[0].truth is not None:
-                poses = np.concatenate([p.truth for p in parts])
+                times, places, self.truth_findings = read_truth(truth, origin=self.origin, **options)
+                known = GroundTruth(times, places)
+            elif poses is not None:
                 there = np.isfinite(poses).all(axis=1)
                 known = GroundTruth(stamps[there], poses[there]) if there.any() else None
-            rates = None if parts[0].yaw_rate is None else np.concatenate([p.yaw_rate for p in parts])
-            heard = rates is not None and bool(np.isfinite(rates).any())
-            rates = rates if heard else None
+            rates = rates if rates is not None and np.isfinite(rates).any() else None
             name = self.path.stem
             return WheelLog(
                 stamps, steering, angles, known, name, session, yaw_rate=rates, plausibility=False
@@ -323,9 +324,9 @@ class JointLog(Closing):
             self._checks.turns.see(truth)
             raw, joints = angles, steered
             if not self._as_read:
-                wheels = self._columns_of(batch, "wheel", self.rover.wheel_names)
-                raw = angles if wheels is None else wheels
-                joints = self._columns_of(batch, "steering", self.rover.steered_wheel_names)
+                raw = batch.columns([f"wheel {wheel}" for wheel in self.rover.wheel_names])
+                names = [f"steering {wheel}" for wheel in self._steering]
+                joints = batch.columns(names) if names else None
             self._refuse(partial(self._checks.take, stamps, raw, angles, joints, batch.rows, steered))
         rates = None
         if self._source.has_rates:
@@ -335,16 +336,6 @@ class JointLog(Closing):
             except ValueError as error:
                 raise TableError(f"{self.path}: {error}") from None
         return JointRows(batch.rows, stamps, steered, angles, truth, rates)
-
-    def _columns_of(self, batch: Batch, part: str, wheels: Sequence[str]) -> Floats | None:
-        """Readings (n, wheels) as the log has them, NaN for a wheel without any."""
-        if not wheels:
-            return None
-        values = np.full((len(batch), len(wheels)), np.nan)
-        for place, wheel in enumerate(wheels):
-            if f"{part} {wheel}" in batch.values:
-                values[:, place] = batch.values[f"{part} {wheel}"]
-        return values
 
     def _refuse(self, check: Callable[[], None]) -> None:
         """Put the path before what a check has to say."""

@@ -14,8 +14,8 @@ from six_wheel.logs.headers.clock_times import KNOWN, ClockTimes
 from six_wheel.logs.headers.columns import Column, Unit, is_number
 from six_wheel.logs.headers.renamed import Columns, renamed, without_header
 from six_wheel.logs.plausibility.findings import Findings, Kind
-from six_wheel.logs.plausibility.stamps import out_of_order, rows_behind, since_1970
-from six_wheel.logs.tables import LATEST_SECOND, READ, RowError, Table
+from six_wheel.logs.plausibility.stamps import LATEST_SECOND, out_of_order, rows_behind, since_1970
+from six_wheel.logs.tables import READ, RowError, Table
 from six_wheel.logs.text.dialect import cells_of, has_groups, without_groups
 
 if TYPE_CHECKING:
@@ -41,6 +41,14 @@ class Batch:
     def __getitem__(self, chosen: Any) -> "Batch":
         values = {name: column[chosen] for name, column in self.values.items()}
         return Batch(self.rows[chosen], self.lines[chosen], self.time[chosen], values)
+
+    def columns(self, names: Sequence[str]) -> NDArray[np.float64]:
+        """Values side by side (n, names), NaN where there are none of a name."""
+        found = np.full((len(self), len(names)), np.nan)
+        for place, name in enumerate(names):
+            if name in self.values:
+                found[:, place] = self.values[name]
+        return found
 
 
 class Source(Protocol):
@@ -71,16 +79,9 @@ class CellError(Exception):
 class TolerantTable(Table):
     """A table whose bad rows are reported to `findings` and left out.
 
-    Parameters
-    ----------
-    find : callable
-        Headers, and units of columns whose header states none, to columns; ``"time"`` among them.
-    renamed : mapping or sequence, optional
-        Header to the header it should be read as, or the other way round; or the names of all columns.
-    spare : collection of str
-        Columns that may lack a value in any row.
-    unnamed : sequence of str
-        Names of as many columns without a header line.
+    `find` leads from headers, and units of columns whose header states none, to columns, ``"time"`` among
+    them. `renamed` are names of columns as `headers.renamed` takes them, `unnamed` those of as many columns
+    without a header line; the columns `spare` may lack a value in any row.
     """
 
     text_stamps = True
@@ -189,48 +190,39 @@ class TolerantTable(Table):
         fraction = columns.pop("nanoseconds", None)
         values = {name: column.to_numpy(zero_copy_only=False) for name, column in columns.items()}
         if self._types["time"] == "string":
-            return self._with_clock(rows, lines, time.to_pylist(), values)
+            return self._batch(rows, lines, time.to_pylist(), values)
         if fraction is not None:
             time = pc.add(pc.multiply(time, 1_000_000_000), pc.multiply(fraction, self._finer))
         void = time.is_null().to_numpy(zero_copy_only=False)
-        result = self._scaled(rows, lines, time.fill_null(0).to_numpy(zero_copy_only=False), values)
-        for k in np.flatnonzero(void).tolist():
-            rule, got = "time must be a number", ", got an empty cell"
-            self.findings.add(int(rows[k]), rule, got, int(lines[k]), "no number")
-        return result[~void] if void.any() else result
+        return self._batch(rows, lines, time.fill_null(0).to_numpy(zero_copy_only=False), values, void)
 
     @property
     def _finer(self) -> int:
         """Nanoseconds of one in the second column of stamps."""
         return round(1e9 * self._columns["nanoseconds"].unit.scale)
 
-    def _with_clock(
+    def _batch(
         self,
         rows: NDArray[np.int64],
         lines: NDArray[np.int64],
-        texts: Sequence[str | None],
-        values: Mapping[str, NDArray[Any]],
+        time: Any,
+        values: Mapping[str, Any],
+        void: NDArray[np.bool_] | None = None,
     ) -> Batch:
-        """Rows whose times are texts; those that are no times are reported."""
-        time, good = self._clock.read(texts)
-        for k in np.flatnonzero(~good).tolist():
-            rule = f"time must be such as {KNOWN}"
-            self.findings.add(int(rows[k]), rule, f', got "{texts[k] or ""}"', int(lines[k]))
-        result = self._scaled(rows, lines, time, values)
-        return result if good.all() else result[good]
-
-    def _scaled(
-        self,
-        rows: NDArray[np.int64],
-        lines: NDArray[np.int64],
-        time: NDArray[Any],
-        values: Mapping[str, NDArray[Any]],
-    ) -> Batch:
-        scaled = {
-            name: np.asarray(column, dtype=float) * self._columns[name].unit.scale
-            for name, column in values.items()
-        }
-        return Batch(rows, lines, time, scaled)
+        """Rows with times, or their texts; those without (`void`) and of texts that are none are reported."""
+        rule, got = "time must be a number", ", got an empty cell"
+        kind: Kind = "no number"
+        texts: Sequence[str | None] | None = time if self._types["time"] == "string" else None
+        if texts is not None:
+            time, good = self._clock.read(texts)
+            rule, kind, void = f"time must be such as {KNOWN}", "other", ~good
+        for k in [] if void is None else np.flatnonzero(void).tolist():
+            got = got if texts is None else f', got "{texts[k] or ""}"'
+            self.findings.add(int(rows[k]), rule, got, int(lines[k]), kind)
+        scale = {name: self._columns[name].unit.scale for name in values}
+        scaled = {name: np.asarray(each, dtype=float) * scale[name] for name, each in values.items()}
+        batch = Batch(rows, lines, time, scaled)
+        return batch if void is None or not void.any() else batch[~void]
 
     def _line_by_line(self, block: bytes, row: int, lines: NDArray[np.int64]) -> Batch:
         """Valid rows of a block that Arrow refused as a whole, read line by line; the others are reported."""
@@ -247,13 +239,12 @@ class TolerantTable(Table):
         by_name = dict(zip(self._columns, columns, strict=True))
         times, rows = by_name.pop("time"), row + np.array(kept, dtype=np.int64)
         nanoseconds = np.array(by_name.pop("nanoseconds", [0] * len(kept)), dtype=np.int64)
-        values = {name: np.array(column, dtype=float) for name, column in by_name.items()}
         if self._types["time"] == "string":
-            return self._with_clock(rows, lines[kept], times, values)
+            return self._batch(rows, lines[kept], times, by_name)
         time = np.array(times, dtype=self._types["time"])
         if "nanoseconds" in self._columns:
             time = time * 1_000_000_000 + self._finer * nanoseconds
-        return self._scaled(rows, lines[kept], time, values)
+        return self._batch(rows, lines[kept], time, by_name)
 
     def _numbers(self, text: str) -> list[Any]:
         try:
@@ -290,16 +281,9 @@ class Sieve:
     A row that is no later than the last one kept is left out. One that runs ahead, so that the next row is
     between it and the row before, is left out instead of all that follow.
 
-    Parameters
-    ----------
-    spare : collection of str
-        Columns that may lack a value.
-    stated : bool
-        True if the unit of the times is stated, and not only the default.
-    strict : bool
-        True if rows in another order than that of time are refused as a whole.
-    warn : callable, optional
-        Called with a line where rows are left out whose rates the path misses.
+    Columns of `spare` may lack a value; `stated` is True if the unit of the times is stated, and not only the
+    default, `strict` if rows in another order than that of time are refused as a whole; `warn` is called with
+    a line where rows are left out whose rates the path misses.
     """
 
     def __init__(

@@ -23,6 +23,7 @@ from six_wheel.kinematics.objects.closing import Closing
 from six_wheel.logs.columnar import ColumnarFile, time_unit_of, units_of
 from six_wheel.logs.headers.clock_times import is_clock_time
 from six_wheel.logs.headers.columns import TIME_UNITS, Column, find_columns, is_number
+from six_wheel.logs.plausibility.stamps import LATEST_SECOND
 from six_wheel.logs.text.dialect import LONGEST_LINE, SPACES, cells_of, open_text, read_dialect
 from six_wheel.robot_description.missing_files import no_file
 
@@ -42,8 +43,6 @@ READ: Mapping[str, Format] = {
     **dict.fromkeys((".jsonl", ".ndjson"), "json"),
 }
 
-# A bare "time" is in seconds. Larger than this (the year 5138) it is a count of something shorter.
-LATEST_SECOND = 1e11
 LARGEST_BLOCK = 1 << 24  # [byte]
 
 
@@ -284,24 +283,18 @@ class CommandTable(Table):
             self._csv_batches(chunk_rows) if self.format == "csv" else self._columnar_batches(chunk_rows)
         )
         row, last = 1, None
-        while True:
-            try:
-                batch = next(batches, None)
-            except pa.ArrowException as error:
-                raise self._unreadable(error) from None
-            except RowError as error:
-                raise self.error(error.row, error.message) from None
-            if batch is None:
-                break
-            for start in range(0, batch.num_rows, chunk_rows):
-                try:
+        try:
+            for batch in batches:
+                for start in range(0, batch.num_rows, chunk_rows):
                     chunk = self._check(batch.slice(start, chunk_rows), row, last)
-                except RowError as error:
-                    raise self.error(error.row, error.message) from None
-                row += len(chunk.stamps)
-                last = chunk.stamps[-1]
-                self._rows_read = row - 1
-                yield chunk
+                    row += len(chunk.stamps)
+                    last = chunk.stamps[-1]
+                    self._rows_read = row - 1
+                    yield chunk
+        except pa.ArrowException as error:
+            raise self._unreadable(error) from None
+        except RowError as error:
+            raise self.error(error.row, error.message) from None
         if row == 1:
             raise TableError(f"{self.path}: the table must have at least one row under its header, got none")
 

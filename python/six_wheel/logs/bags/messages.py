@@ -1,5 +1,6 @@
 """A bag of ROS 2 (MCAP or sqlite3) or ROS 1: the messages of its topics. Needs rosbags."""
 
+import contextlib
 import itertools
 import re
 import tempfile
@@ -72,12 +73,10 @@ class Bag:
         self.position = 0
         self.topic = ""  # of the message that was read last
         self._topics: list[Any] = []
-        self._whole: tempfile.TemporaryDirectory[str] | None = None
-        try:
+        self._cut_off = False
+        with contextlib.ExitStack() as self._files:
             self._reader = self._open()
-        except BaseException:
-            self._forget()
-            raise
+            self._files = self._files.pop_all()  # they stay open
 
     def _open(self) -> "AnyReader":
         """A reader of the bag, or of what is whole of it."""
@@ -88,6 +87,7 @@ class Bag:
         def reader(paths: Sequence[Path]) -> AnyReader:
             opened = AnyReader(paths, default_typestore=get_typestore(Stores.LATEST))
             opened.open()
+            self._files.callback(opened.close)
             return opened
 
         if not self.path.exists():
@@ -103,20 +103,15 @@ class Bag:
             return reader(bags)
         except Exception as error:  # sqlite, YAML and zstd have their own, and a cut file meets all of them
             refused = TableError(f"{self.path}: not a readable bag: {one_line(error)}")
-        self._whole = tempfile.TemporaryDirectory()
+        self._cut_off, folder = True, Path(self._files.enter_context(tempfile.TemporaryDirectory()))
         try:
-            return reader([whole_part(file, Path(self._whole.name)) for file in files])
+            return reader([whole_part(file, folder) for file in files])
         except Exception:
             raise refused from None
 
     def close(self) -> None:
         """Close the files."""
-        self._reader.close()
-        self._forget()
-
-    def _forget(self) -> None:
-        if self._whole is not None:
-            self._whole.cleanup()
+        self._files.close()
 
     @property
     def size(self) -> int:
@@ -129,8 +124,8 @@ class Bag:
         there = [c for c in every if c.msgtype in types]
         if topics and types == POSES:
             there += [c for c in every if c.msgtype in TRANSFORMS]
+        kinds = ", ".join(each.rpartition("/")[2] for each in types)
         if not there:
-            kinds = ", ".join(each.rpartition("/")[2] for each in types)
             listed = ", ".join(f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in every[:12]) or "none"
             hint = numbers_in(every) if types == [JOINT_STATE] else ()
             self.close()
@@ -144,7 +139,6 @@ class Bag:
             wanted = set(names) if len(names) == 1 else {n for n in names if usual and n.endswith(usual)}
         unknown = sorted(wanted - set(names))
         if unknown or not wanted:
-            kinds = ", ".join(each.rpartition("/")[2] for each in types)
             listed = ", ".join(names) or "none"
             option = "--truth-topic" if types == POSES else "--topic"
             got = unknown[0] if unknown else f"no choice (say which with {option})"
@@ -208,5 +202,5 @@ class Bag:
         except Exception as error:
             self.findings.add(number + 1, f"the rest of the bag cannot be read: {one_line(error)}")
         else:
-            if self._whole is not None:
+            if self._cut_off:
                 self.findings.add(number + 1, "the recording was cut off here")

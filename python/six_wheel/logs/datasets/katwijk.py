@@ -46,13 +46,8 @@ def belongs(path: Path) -> bool:
 
 
 def read(path: Path, rover: Rover) -> WheelLog:
-    """A part of a traverse, with the positions if they are there.
-
-    Raises
-    ------
-    ValueError
-        If the rover has other wheels, or the file other columns.
-    """
+    """A part of a traverse, with the positions if they are there. Raises `ValueError` if the rover has other
+    wheels, or the file other columns."""
     if (len(rover.wheel_names), len(rover.steered_wheel_names)) != (WHEELS, JOINTS):
         rule = f"the rover must have {WHEELS} wheels, {JOINTS} of them steered, front to rear"
         raise ValueError(f"{rule}, got {', '.join(rover.wheel_names)}")

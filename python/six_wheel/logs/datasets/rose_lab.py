@@ -36,13 +36,8 @@ def belongs(path: Path) -> bool:
 
 
 def read(path: Path, rover: Rover) -> WheelLog:
-    """A trial with its truth.
-
-    Raises
-    ------
-    ValueError
-        If the rover has another number of wheels, or the table cannot be used.
-    """
+    """A trial with its truth. Raises `ValueError` if the rover has another number of wheels, or the table
+    cannot be used."""
     if len(rover.wheel_names) != WHEELS or rover.steered_wheel_names:
         rule = f"the rover must have {WHEELS} wheels that do not steer, front to rear"
         raise ValueError(f"{rule}, got {', '.join(rover.wheel_names)}")

@@ -255,8 +255,7 @@ def check_table(argument: str, source: Any) -> None:
 def _headers(source: Any) -> Iterable[Any]:
     """The names of the columns: polars and pandas, pyarrow, a mapping."""
     for attribute in ("column_names", "columns", "keys"):
-        found = getattr(source, attribute, None)
-        if found is not None and not (attribute == "columns" and hasattr(source, "column_names")):
+        if (found := getattr(source, attribute, None)) is not None:
             headers: Iterable[Any] = found() if callable(found) else found
             return headers
     got = type(source).__name__
@@ -318,15 +317,8 @@ def _numbers(column: Any) -> NDArray[Any]:
     """A column as numbers, dates or texts, missing values NaN or NaT."""
     if isinstance(column, np.ma.MaskedArray):
         return np.ma.filled(column.astype(np.float64), np.nan)
-    if hasattr(column, "to_numpy"):
-        if type(column).__module__.startswith("pyarrow"):
-            chunked = hasattr(column, "chunks")
-            values = column.to_numpy() if chunked else column.to_numpy(zero_copy_only=False)
-        else:
-            values = column.to_numpy()
-    else:
-        values = np.asarray(column)
-    values = np.asarray(values)
+    how = {"zero_copy_only": False} if type(column).__module__.startswith("pyarrow") else {}
+    values = np.asarray(column.to_numpy(**how) if hasattr(column, "to_numpy") else column)
     if values.dtype.kind in "MUT":
         return values
     if values.dtype.kind == "m":

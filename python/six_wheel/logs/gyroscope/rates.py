@@ -43,10 +43,7 @@ def about_z(values: Mapping[str, Floats], up: Floats) -> Floats:
 class Turning:
     """Rates about the rover's z at the rows of a log, from readings with other stamps, as far as rows ask.
 
-    Parameters
-    ----------
-    readings : iterator of (stamps, rates)
-        Seconds, increasing, and rad/s; pieces of any length.
+    `readings` are pieces of any length: stamps that increase [s], and rates [rad/s].
     """
 
     def __init__(self, readings: Iterator[tuple[Floats, Floats]]) -> None:

@@ -56,13 +56,13 @@ LONG_TIME_UNITS = (
     unit("h", 3600.0, "h hour hours"),
     unit("d", 86_400.0, "d day days"),
 )
-_SPEED = (
+SPEEDS = (
     unit("m/s", 1.0, "m_s mps ms m_per_s m_s_1 meters_per_second metres_per_second"),
     unit("cm/s", 1e-2, "cm_s cmps cm_per_s"),
     unit("mm/s", 1e-3, "mm_s mmps mm_per_s"),
     unit("km/h", 1 / 3.6, "km_h kmh kph kmph"),
 )
-_TURN = (
+YAW_RATES = (
     unit("rad/s", 1.0, "rad_s radps rads rad_per_s rad_s_1 radians_per_second"),
     unit("deg/s", math.pi / 180, "deg_s degps degs dps deg_per_s deg_s_1 degrees_per_second"),
     unit("rpm", math.pi / 30, "rpm"),
@@ -76,9 +76,9 @@ _CLOCKS = "datetime", "date_time", "utc", "utc_time", "clock", "elapsed", "elaps
 TIME = Quantity("time", (*_TIMES, *_CLOCKS), (*TIME_UNITS, *LONG_TIME_UNITS))
 QUANTITIES = (
     TIME,
-    Quantity("vx", ("vx", "v", *_LINEAR.format("x").split(), "linear_velocity", "speed"), _SPEED),
-    Quantity("vy", ("vy", *_LINEAR.format("y").split()), _SPEED, required=False),
-    Quantity("omega", ("omega", "w", *_ANGULAR.split()), _TURN),
+    Quantity("vx", ("vx", "v", *_LINEAR.format("x").split(), "linear_velocity", "speed"), SPEEDS),
+    Quantity("vy", ("vy", *_LINEAR.format("y").split()), SPEEDS, required=False),
+    Quantity("omega", ("omega", "w", *_ANGULAR.split()), YAW_RATES),
 )
 
 # Prefixes that ROS tools put before a field: "/cmd_vel/twist/linear/x", "field.header.stamp".

@@ -14,7 +14,7 @@ from typing import Literal, TypeAlias, get_args
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.errors import TableError
-from six_wheel.logs.headers.columns import BRACKETS, TIME, Column, Unit, listed, unit, words
+from six_wheel.logs.headers.columns import BRACKETS, SPEEDS, TIME, Column, Unit, listed, unit, words
 from six_wheel.logs.headers.rate_columns import rate_columns
 from six_wheel.logs.headers.renamed import all_names
 from six_wheel.logs.headers.time_columns import time_columns
@@ -39,9 +39,7 @@ _AT_RIM = (
     ),
     (
         unit("m/s", 1.0, "m_s mps ms m_per_s m_s_1 m_sec meters_per_second metres_per_second"),
-        unit("cm/s", 1e-2, "cm_s cmps cm_per_s"),
-        unit("mm/s", 1e-3, "mm_s mmps mm_per_s"),
-        unit("km/h", 1 / 3.6, "km_h kmh kph kmph"),
+        *SPEEDS[1:],  # cm/s, mm/s, km/h
         unit("m/min", 1 / 60, "m_min m_per_min"),
         unit("mph", 0.44704, "mph mi_h"),
         unit("ft/s", 0.3048, "ft_s fps ft_per_s"),
@@ -98,21 +96,12 @@ def joint_columns(
     field_units: Mapping[int, str] | None = None,
     stamp_unit: str | None = None,
 ) -> JointColumns:
-    """Find the columns of a joint log.
+    """Find the columns of a joint log, whose headers name joints and wheels of the rover.
 
-    Raises `TableError` if there is no time, no wheel, a steered wheel without its angle, two columns for one
-    joint or wheels read in different ways.
-
-    Parameters
-    ----------
-    rover : Rover
-        The headers name its joints and wheels.
-    readings : {"angles", "speeds", "ticks"}, optional
-        Kind of a wheel's column if its header does not state it, and the one to take if there are several.
-    field_units : mapping, optional
-        Column to unit, for headers that state none.
-    stamp_unit : str, optional
-        Unit of the times, whatever their header says.
+    `readings` is the kind of a wheel's column if its header does not state it, and the one to take if there
+    are several; `field_units` are by column, for headers that state none; `stamp_unit` is that of the times,
+    whatever their header says. Raises `TableError` if there is no time, no wheel, a steered wheel without its
+    angle, two columns for one joint or wheels read in different ways.
     """
     if readings is not None and readings not in READINGS:
         raise ValueError(f'readings must be one of {", ".join(READINGS)}, got "{readings}"')

@@ -3,15 +3,14 @@
 import math
 from collections.abc import Mapping, Sequence
 
-from six_wheel.logs.headers.columns import BRACKETS, Column, Quantity, find_columns, unit
+from six_wheel.logs.headers.columns import BRACKETS, YAW_RATES, Column, Quantity, find_columns, unit
 
 AXES = ("x", "y", "z")
 ABOUT_Z = "rate"  # of the rover itself, however the sensor sits
 RATES = (ABOUT_Z, *(f"rate {axis}" for axis in AXES))
 
 _UNITS = (
-    unit("rad/s", 1.0, "rad_s radps rads rad_per_s rad_s_1 radians_per_second"),
-    unit("deg/s", math.pi / 180, "deg_s degps degs dps deg_per_s deg_s_1 degrees_per_second"),
+    *YAW_RATES[:2],  # rad/s, deg/s
     unit("rev/s", 2 * math.pi, "rev_s revps rps rev_per_s revolutions_per_second"),
     unit("rpm", math.pi / 30, "rpm rev_min revolutions_per_minute"),
 )

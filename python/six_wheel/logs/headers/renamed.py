@@ -14,16 +14,10 @@ SHOWN = 40  # letters of a row
 def renamed(headers: Sequence[str], columns: Columns, nameless: bool = False) -> list[str]:
     """The names of the columns of a table, with those that its owner gives.
 
-    Raises `TableError` if a header is not there, or the number of names is not that of the columns.
-
-    Parameters
-    ----------
-    columns : mapping or sequence of str
-        Header to the header it should be read as, or a name to the header that has it; or the names of all
-        columns in their order, of which an empty one is not read. Without a header line columns go by their
-        numbers, from 1.
-    nameless : bool
-        True if the table has no header line.
+    `columns` lead from a header to the header it should be read as, or from a name to the header that has it;
+    or are the names of all columns in their order, of which an empty one is not read. In a `nameless` table,
+    one without a header line, columns go by their numbers, from 1. Raises `TableError` if a header is not
+    there, or the number of names is not that of the columns.
     """
     if nameless:
         headers = [str(number) for number in range(1, len(headers) + 1)]

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from six_wheel.kinematics.errors import FileError, one_line
+from six_wheel.logs.bags.bag_files import MAGIC
 from six_wheel.logs.mcap.writer import FORMAT, SETTINGS, libraries
 
-MAGIC = b"\x89MCAP0\r\n"
 LATEST = 2**63  # [ns], before which all times are
 
 
@@ -126,13 +126,7 @@ class Record:
 
     def _records(self) -> Iterator[Any]:
         with self.path.open("rb") as file:
-            records = self._mcap.stream_reader.StreamReader(file).records
-            while True:
-                try:
-                    record = next(records)
-                except StopIteration:
-                    return
-                except Exception:  # every way in which bytes can end too soon
-                    self.cut_off = True
-                    return
-                yield record
+            try:
+                yield from self._mcap.stream_reader.StreamReader(file).records
+            except Exception:  # every way in which bytes can end too soon
+                self.cut_off = True

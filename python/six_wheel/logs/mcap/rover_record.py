@@ -112,16 +112,15 @@ class RoverRecord(Closing):
 
     def joint_message(self, now: int, stamp: int, message: bytes) -> None:
         """The same, as the bytes that came."""
-        self._file.write(self._file.topic(JOINTS, "sensor_msgs/msg/JointState"), now, message, stamp)
+        self._write(JOINTS, "sensor_msgs/msg/JointState", now, message, stamp)
 
     def imu_message(self, now: int, stamp: int, message: bytes) -> None:
         """Record a message of a gyroscope as the bytes that arrived."""
-        self._file.write(self._file.topic(IMU, "sensor_msgs/msg/Imu"), now, message, stamp)
+        self._write(IMU, "sensor_msgs/msg/Imu", now, message, stamp)
 
     def tick(self, now: int) -> None:
         """A step without new readings."""
-        topic = self._file.topic(TICK, "rosgraph_msgs/msg/Clock")
-        self._file.write(topic, now, self._clock.pack(now))
+        self._write(TICK, "rosgraph_msgs/msg/Clock", now, self._clock.pack(now))
 
     def change(self, now: int, what: Mapping[str, Any]) -> None:
         """Something that was set while it ran: ``{"set": {...}}``, ``{"pose": ..., "covariance": ...}``,
@@ -136,9 +135,9 @@ class RoverRecord(Closing):
 
     def commands(self, now: int, steering: Numbers, speeds: Numbers) -> None:
         """Joint commands in the order of the rover's joints [rad, rad/s]."""
-        topic = self._file.topic(COMMANDS, "sensor_msgs/msg/JointState")
         groups = ([*steering, *self._unsaid[0]], [*self._unsaid[1], *speeds])
-        self._file.write(topic, now, self._commands.pack(now, *(group for group in groups if group)))
+        message = self._commands.pack(now, *(group for group in groups if group))
+        self._write(COMMANDS, "sensor_msgs/msg/JointState", now, message)
 
     def limited(self, now: int, twist: Numbers) -> None:
         """The motion that the commands make."""
@@ -161,16 +160,13 @@ class RoverRecord(Closing):
     ) -> None:
         """Record the odometry, also as a transform; covariances are 6 x 6, row by row."""
         place, motion = frames.planar_pose(pose), frames.planar_twist(twist)
-        topic = self._file.topic(ODOMETRY, "nav_msgs/msg/Odometry")
         message = self._odometry.pack(stamp, place, covariance, motion, twist_covariance)
-        self._file.write(topic, now, message, stamp)
-        topic = self._file.topic(TRANSFORMS, "tf2_msgs/msg/TFMessage")
-        self._file.write(topic, now, self._transform.pack(stamp, place), stamp)
+        self._write(ODOMETRY, "nav_msgs/msg/Odometry", now, message, stamp)
+        self._write(TRANSFORMS, "tf2_msgs/msg/TFMessage", now, self._transform.pack(stamp, place), stamp)
 
     def slip(self, now: int, residual: Numbers) -> None:
         """Record the sliding speed of each wheel's contact [m/s]."""
-        topic = self._file.topic(SLIP, "std_msgs/msg/Float64MultiArray")
-        self._file.write(topic, now, self._slip.pack(now, residual))
+        self._write(SLIP, "std_msgs/msg/Float64MultiArray", now, self._slip.pack(now, residual))
 
     def diagnostics(self, now: int, statuses: Sequence[tuple[int, str, str, Mapping[str, str]]]) -> None:
         """Level, name, message and values of everything there is to say."""
@@ -201,9 +197,11 @@ class RoverRecord(Closing):
         self._file.close()
 
     def _twist(self, topic: str, now: int, stamp: int, twist: Numbers, frame_id: str) -> None:
-        channel = self._file.topic(topic, "geometry_msgs/msg/TwistStamped")
         message = self._twist_stamped(frame_id).pack(stamp, frames.planar_twist(twist))
-        self._file.write(channel, now, message, stamp)
+        self._write(topic, "geometry_msgs/msg/TwistStamped", now, message, stamp)
 
     def _text(self, topic: str, now: int, value: str) -> None:
-        self._file.write(self._file.topic(topic, "std_msgs/msg/String"), now, frames.text(value))
+        self._write(topic, "std_msgs/msg/String", now, frames.text(value))
+
+    def _write(self, topic: str, kind: str, now: int, message: bytes, stamp: int | None = None) -> None:
+        self._file.write(self._file.topic(topic, kind), now, message, stamp)

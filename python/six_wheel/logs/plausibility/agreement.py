@@ -8,7 +8,7 @@ import numpy as np
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.poses import Floats
-from six_wheel.logs.plausibility.proposals import AS_READ, ImplausibleReadingError
+from six_wheel.logs.plausibility.proposals import TAKEN, ImplausibleReadingError
 from six_wheel.logs.plausibility.readings import Readings
 from six_wheel.robot_description.doubts import Proposal
 
@@ -126,8 +126,7 @@ def check_turning(
     for unit, ratio in (("rev", 0.5 / np.pi), ("deg", 180.0 / np.pi), ("m", radius)):
         if abs(product / power - ratio) < NEAR * ratio and not 0.5 < ratio < 2.0:
             what = f"the wheels turn the rover by {product / power:.3g} of what the gyroscope says"
-            rest = f"; {AS_READ} (plausibility=False) takes them as they are"
-            raise ImplausibleReadingError(f"{what}: {unit}, and not rad? Give ", proposals[unit], rest)
+            raise ImplausibleReadingError(f"{what}: {unit}, and not rad? Give ", proposals[unit], TAKEN)
 
 
 def _remedy(wheels: list[str]) -> str:

@@ -78,6 +78,7 @@ class ReadingChecks:
     _begin: float = 0.0
     _turned: Floats = field(default_factory=lambda: np.zeros(0))
     _clock_known: bool = False
+    _numbers: NDArray[np.int64] | None = None  # of the rows of this chunk
     _numbered: tuple[int, int] = (0, -1)
     _looked: bool = False
 
@@ -90,44 +91,34 @@ class ReadingChecks:
         numbers: NDArray[np.int64] | None = None,
         joints: Floats | None = None,
     ) -> None:
-        """Check consecutive rows.
+        """Check consecutive rows at stamps (n,) [s], whose rows have these `numbers`, by default in order.
 
-        Raises `ImplausibleReadingError` if readings cannot be meant as they are read.
-
-        Parameters
-        ----------
-        stamps : array, shape (n,)
-            Seconds.
-        raw : array, shape (n, wheels)
-            As the log has them, in radians or counts.
-        angles : array, shape (n, wheels), or None
-            Running totals [rad]; None if only `raw` tells.
-        steering : array, shape (n, steered wheels), or None
-            As the log has them.
-        numbers : array, shape (n,), optional
-            Of the rows.
-        joints : array, shape (n, steered wheels), optional
-            Steering angles [rad], if the log has them otherwise.
+        `raw` (n, wheels) and `steering` (n, steered wheels) are as the log has them, in radians or counts;
+        `angles` (n, wheels) are running totals [rad], None if only `raw` tells, `joints` steering angles
+        [rad], if the log has them otherwise. Raises `ImplausibleReadingError` if readings cannot be meant as
+        they are read.
         """
         if not len(stamps):
             return
-        known = self.readings
+        known, self._numbers = self.readings, numbers
         if not self.rows:
             self._begin = float(stamps[0])
             self.turns.least = 10.0 * math.pi / known.turn if known.turn else self.turns.least
             if not known.clock_stated:
-                check_origin(float(stamps[0]), known.time, self._row(0, numbers))
+                check_origin(float(stamps[0]), known.time, self._row(0))
         if numbers is None:
             check_order(stamps, self.warn, known.time)
         with np.errstate(invalid="ignore", over="ignore"):  # rows without numbers are left to others
             chosen = self._stretches(stamps)
-            self._look(raw, steering, numbers)
-            self._check_jumps(raw, steering, chosen, numbers)
-            self._check_steps(stamps, raw if angles is None else angles, angles is None, numbers)
-            turned = steering if joints is None else joints
-            self._check_motion(stamps, raw, angles, turned, chosen, numbers)
+            self._look(raw, steering)
+            if known.kind in ("angles", "ticks") and not known.wraps:
+                self._check_columns(raw, known.wheels, chosen, steering=False)
+            if steering is not None and not known.steering_wraps:
+                self._check_columns(steering, known.steering, chosen, steering=True)
+            self._check_steps(stamps, raw if angles is None else angles, angles is None)
+            self._check_motion(stamps, raw, angles, steering if joints is None else joints, chosen)
             if not known.wraps or angles is not None:
-                self._check_gaps(stamps, raw if angles is None else angles, numbers)
+                self._check_gaps(stamps, raw if angles is None else angles)
         if numbers is not None:
             self._numbered = int(self._numbered[0] or numbers[0]), int(numbers[-1])
         self.rows += len(stamps)
@@ -159,8 +150,9 @@ class ReadingChecks:
         ):
             self.warn(line)
 
-    def _row(self, place: int, numbers: NDArray[np.int64] | None) -> int:
+    def _row(self, place: int) -> int:
         """The number of a row of this chunk."""
+        numbers = self._numbers
         return self.readings.first_row + self.rows + place if numbers is None else int(numbers[place])
 
     def _stretches(self, stamps: Floats) -> NDArray[np.int64]:
@@ -174,13 +166,13 @@ class ReadingChecks:
         chosen = np.arange(0, len(stamps), width)
         return chosen if chosen[-1] == len(stamps) - 1 else np.append(chosen, len(stamps) - 1)
 
-    def _look(self, raw: Floats, steering: Floats | None, numbers: NDArray[np.int64] | None) -> None:
+    def _look(self, raw: Floats, steering: Floats | None) -> None:
         """Counts and increments under another name, by rows that follow one another."""
         known = self.readings
         if self._looked:
             return
         self._looked = len(raw) >= SAMPLE // 4
-        piece, row = raw[:SAMPLE], self._row(0, numbers)
+        piece, row = raw[:SAMPLE], self._row(0)
         if known.kind in ("angles", "ticks") and not known.wraps and (line := held_readings(piece, known)):
             self.warn(line)
         for column, readings in zip(known.wheels, piece.T, strict=True) if known.kind == "ticks" else ():
@@ -201,30 +193,12 @@ class ReadingChecks:
                 elif known.kind == "increments":
                     check_increments(readings, column, row)
 
-    def _check_jumps(
-        self,
-        raw: Floats,
-        steering: Floats | None,
-        chosen: NDArray[np.int64],
-        numbers: NDArray[np.int64] | None,
-    ) -> None:
-        known = self.readings
-        if known.kind in ("angles", "ticks") and not known.wraps:
-            self._check_columns(raw, known.wheels, chosen, numbers, steering=False)
-        if steering is not None and not known.steering_wraps:
-            self._check_columns(steering, known.steering, chosen, numbers, steering=True)
-
     def _check_columns(
-        self,
-        values: Floats,
-        named: Sequence[Column],
-        chosen: NDArray[np.int64],
-        numbers: NDArray[np.int64] | None,
-        steering: bool,
+        self, values: Floats, named: Sequence[Column], chosen: NDArray[np.int64], steering: bool
     ) -> None:
-        before = None
-        if self._last is not None:
-            before = self._last[3] if steering else self._last[1]
+        """Refuses columns that jump."""
+        last = self._last
+        before = None if last is None else last[3] if steering else last[1]
         for place, column in enumerate(named):
             samples = values[chosen, place]
             if before is not None:
@@ -239,12 +213,10 @@ class ReadingChecks:
             reset = not steering and self.readings.max_speed is None
             if found is not None and (reset or found.wraps_at is not None):
                 shift = 0 if before is None else 1
-                at = [self._row(int(k) - shift, numbers) for k in found.rows]
+                at = [self._row(int(k) - shift) for k in found.rows]
                 raise self._jumping(column, found, at, steering)
 
-    def _check_steps(
-        self, stamps: Floats, turned: Floats, raw: bool, numbers: NDArray[np.int64] | None
-    ) -> None:
+    def _check_steps(self, stamps: Floats, turned: Floats, raw: bool) -> None:
         """Refuses single steps that no wheel makes: lost readings, counters set to another value."""
         known = self.readings
         unknown = (raw and (known.wraps or known.scale is None)) or known.kind in ("speeds", "increments")
@@ -259,7 +231,7 @@ class ReadingChecks:
         for place, column in enumerate(known.wheels):
             found = lost_readings(turned[:, place] * radii[place], longest)
             if found is not None:
-                at = [self._row(int(k), numbers) for k in found.rows]
+                at = [self._row(int(k)) for k in found.rows]
                 steps = f"from {found.before:.4g} to {found.after:.4g} m at the rim"
                 what = f'"{column.header}" jumps in {rows(at)} ({steps})'
                 raise _too_far(what)
@@ -293,7 +265,6 @@ class ReadingChecks:
         angles: Floats | None,
         steering: Floats | None,
         chosen: NDArray[np.int64],
-        numbers: NDArray[np.int64] | None,
     ) -> None:
         known = self.readings
         scale = np.ones(1) if known.scale is None else known.scale
@@ -336,13 +307,13 @@ class ReadingChecks:
         radii = np.array([wheel.radius for wheel in known.rover.wheels])
         if not known.clock_stated and not self._clock_known:
             rims = np.nan_to_num(np.fmax.reduce(np.abs(rates) * radii, axis=1))
-            check_clock(stamps[:SAMPLE], rims, known.kind == "speeds", known.time, self._row(0, numbers))
+            check_clock(stamps[:SAMPLE], rims, known.kind == "speeds", known.time, self._row(0))
             self._clock_known = bool(rims.any())
         middles = None
         if steering is not None:
             middles = np.where(np.isfinite(steering[ends]), steering[ends], np.nan)
             if not known.steering_stated:
-                row = self._row(0, numbers)
+                row = self._row(0)
                 check_steering(known.rover, middles, rates, known.steering, row, known.named)
         if known.max_speed is not None:
             return
@@ -350,9 +321,9 @@ class ReadingChecks:
         found = check_motion(known.rover, rates, middles, periods[later])
         if found is not None:
             stretch, wheel, figure = found
-            raise impossible(known, wheel, f"{figure} in row {self._row(int(ends[stretch]), numbers)}")
+            raise impossible(known, wheel, f"{figure} in row {self._row(int(ends[stretch]))}")
 
-    def _check_gaps(self, stamps: Floats, readings: Floats, numbers: NDArray[np.int64] | None) -> None:
+    def _check_gaps(self, stamps: Floats, readings: Floats) -> None:
         """Warns of long times without readings while wheels turn."""
         known, shift, before = self.readings, 0, self._last_read
         self._last_read = readings[-1].copy()
@@ -368,7 +339,7 @@ class ReadingChecks:
         found = gap_line(stamps, readings, known.kind, known.max_gap)
         if found is not None:
             gap, turning, place = found
-            what = f"{gap} before row {self._row(place - shift, numbers)}, with {turning}"
+            what = f"{gap} before row {self._row(place - shift)}, with {turning}"
             longest = stamps[place] - stamps[place - 1] + 0.1
             self.warn(f"{what}: the path across is a guess; max_gap={longest:.1f} accepts it")
 

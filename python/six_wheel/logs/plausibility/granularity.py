@@ -7,7 +7,7 @@ import numpy as np
 
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import (
-    AS_READ,
+    TAKEN,
     Column,
     ImplausibleReadingError,
     columns,
@@ -50,8 +50,7 @@ def check_steps_of_turns(wheels: Floats, named: Sequence[Column], row: int, mapp
         guess = (
             f"{counts} of them are {turn:g}, and 2 pi is no whole number of them: {UNITS[turn]}, and not rad?"
         )
-        rest = f"{AS_READ} (plausibility=False) takes them as they are"
-        raise ImplausibleReadingError(f"{what}: {guess} Give ", proposal, f"; {rest}")
+        raise ImplausibleReadingError(f"{what}: {guess} Give ", proposal, TAKEN)
 
 
 def _is_whole(counts: float) -> bool:

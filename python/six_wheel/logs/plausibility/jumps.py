@@ -92,18 +92,11 @@ def goes_to_and_fro(column: Floats, longest: Floats) -> bool:
 def find_jumps(
     column: Floats, turns: Sequence[float] = (), whole: bool = False, steering: bool = False
 ) -> Jumps | None:
-    """The jumps of a column (n,) of totals.
+    """The jumps of a column (n,) of totals, of which NaN is left out.
 
-    Parameters
-    ----------
-    column : array, shape (n,)
-        Readings in the order of their rows; NaN is left out.
-    turns : sequence of float
-        Counts of a turn, at which such a column may well start over.
-    whole : bool
-        True if the readings are whole numbers.
-    steering : bool
-        True if they are those of a joint, which may turn quickly to the other solution, half a turn away.
+    `turns` are counts of a turn, at which such a column may well start over; `whole` is True if the readings
+    are whole numbers, `steering` if they are those of a joint, which may turn quickly to the other solution,
+    half a turn away.
     """
     there = np.flatnonzero(np.isfinite(column))
     values = column[there]

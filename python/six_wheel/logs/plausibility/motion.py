@@ -9,6 +9,7 @@ from six_wheel._core import Rover
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.plausibility.proposals import (
     AS_READ,
+    TAKEN,
     Column,
     ImplausibleReadingError,
     columns,
@@ -36,14 +37,8 @@ def check_motion(
 ) -> tuple[int, int, str] | None:
     """A stretch in which wheels move as none can: its number, the wheel, and the figure in words.
 
-    Parameters
-    ----------
-    rates : array, shape (n, wheels)
-        Of rotation, means over stretches [rad/s]; NaN without a reading.
-    steering : array, shape (n, steered wheels), or None
-        Angles in the middle of them [rad].
-    periods : array, shape (n,)
-        Their lengths [s].
+    `rates` (n, wheels) are means over stretches [rad/s], NaN without a reading, `steering` (n, steered
+    wheels) the angles in the middle of them [rad], `periods` (n,) their lengths [s].
     """
     if len(rates) < ENOUGH:
         return None
@@ -162,13 +157,12 @@ def _off(rover: Rover, rates: Floats, steering: Floats) -> float:
 def impossible(known: Readings, wheel: int, figure: str) -> ImplausibleReadingError:
     """The error for a wheel that does what none can; `figure` says what and in which row."""
     what = f'"{known.wheels[wheel].header}" {figure}'
-    rest = f"{AS_READ} (plausibility=False) takes them as they are"
     if known.kind in ("ticks", "increments"):
         guess = "are there as many counts in a turn, and are its stamps seconds?"
         by_turn = Option("--ticks-per-turn COUNTS")
-        return ImplausibleReadingError(f"{what}: {guess} Give ", by_turn, f", or {stamp_unit('ms')}; {rest}")
+        return ImplausibleReadingError(f"{what}: {guess} Give ", by_turn, f", or {stamp_unit('ms')}{TAKEN}")
     proposal = degrees(known.wheels, known.named, "{} [deg/s]" if known.kind == "speeds" else "{} [deg]")
     more = "" if known.clock_stated else f", or {stamp_unit('ms').option}"
     guess = "degrees, or counts, or stamps in another unit?"
     counts = f"--ticks-per-turn COUNTS{more}"
-    return ImplausibleReadingError(f"{what}: {guess} Give ", proposal, f"; for others {counts}; {rest}")
+    return ImplausibleReadingError(f"{what}: {guess} Give ", proposal, f"; for others {counts}{TAKEN}")

@@ -8,6 +8,7 @@ from six_wheel.robot_description.doubts import Proposal
 
 FIRST = 3  # rows that are named
 AS_READ = "--no-plausibility"  # for readings that are what they seem to be, however odd
+TAKEN = f"; {AS_READ} (plausibility=False) takes them as they are"
 
 
 class ImplausibleReadingError(FileError):

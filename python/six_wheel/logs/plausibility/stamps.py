@@ -33,14 +33,9 @@ ANEW = 50  # rows behind the time that was reached, from which on a clock starte
 STANDING = 0.5  # share of rows at the time of the row before, from which on it is said
 
 
-def unit_since_1970(first: float) -> str:
-    """The unit in which a stamp is a time of these days."""
-    return "ms" if abs(first) < 1e14 else "us" if abs(first) < 1e17 else "ns"
-
-
 def since_1970(first: float) -> tuple[str | Proposal, ...]:
     """The parts of the question for a stamp that is no second of these days."""
-    unit = unit_since_1970(first)
+    unit = "ms" if abs(first) < 1e14 else "us" if abs(first) < 1e17 else "ns"
     if abs(first) / dict(UNITS)[unit] < LATEST_YEAR:
         return f"{unit} since 1970? Give ", stamp_unit(unit)
     such = "as 2026-11-23 12:59:59.95"
@@ -59,20 +54,11 @@ def check_origin(first: float, header: str, row: int) -> None:
 
 
 def check_clock(stamps: Floats, speeds: Floats, rates: bool, header: str, row: int) -> None:
-    """Refuses stamps that are taken for seconds and are a thousand times as many or more.
+    """Refuses stamps (n,) that are taken for seconds and are a thousand times as many or more.
 
-    Parameters
-    ----------
-    stamps : array, shape (n,)
-        In seconds, as they are read.
-    speeds : array, shape (m,)
-        Rim speeds of the fastest wheel over stretches of these rows [m/s].
-    rates : bool
-        True if the log has rates of wheels, which are right whatever the clock.
-    header : str
-        Header of the times.
-    row : int
-        The first of these rows.
+    `speeds` (m,) are rim speeds of the fastest wheel over stretches of these rows [m/s]; `rates` is True if
+    the log has rates of wheels, which are right whatever the clock. Of the times there are their `header` and
+    the number of the first `row`.
     """
     steps = np.diff(stamps)
     steps = steps[steps > 0.0]
@@ -133,14 +119,8 @@ def gap_line(
 ) -> tuple[str, str, int] | None:
     """The first long time without rows while wheels turn, in words, and its row; None if there is none.
 
-    Parameters
-    ----------
-    stamps, readings : array, shape (n,) and (n, wheels)
-        Rates [rad/s], or totals in any unit.
-    kind : str
-        ``"speeds"`` or another.
-    max_gap : float or None
-        Time that is all right [s].
+    Readings (n, wheels) are rates [rad/s] of the kind ``"speeds"``, or totals in any unit; `max_gap` is a
+    time that is all right [s].
     """
     steps = np.diff(stamps)
     if not len(steps):
@@ -215,14 +195,8 @@ def out_of_order(
 ) -> str:
     """The line about rows that are not in the order of time; empty if they are, as far as a clock is.
 
-    Parameters
-    ----------
-    stamps : array, shape (n,) or longer
-        Times of the rows.
-    header : str
-        Header of the times.
-    late, rows : array of int, optional
-        Rows of these that are behind the time that was reached, and numbers of all rows.
+    `stamps` are times of the rows, or of more; `late` are rows of these that are behind the time that was
+    reached, `rows` the numbers of all.
     """
     steps = np.diff(stamps.astype(np.float64))
     back = float(np.count_nonzero(steps < 0.0))
