@@ -1,20 +1,14 @@
 """Wheel speeds within their limits on the same path."""
 
-from __future__ import annotations  # NumPy is not loaded for its names
-
-from typing import TYPE_CHECKING
+import numpy as np
+from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
+from six_wheel.kinematics.poses import Floats
 
 
-def desaturate(rover: Rover, wheel_speeds: ArrayLike, max_wheel_speed: ArrayLike) -> NDArray[np.float64]:
+def desaturate(rover: Rover, wheel_speeds: ArrayLike, max_wheel_speed: ArrayLike) -> Floats:
     """See `Rover.desaturate`."""
-    import numpy as np
-
     given = np.asarray(wheel_speeds, dtype=float)
     count = len(rover.wheels)
     if given.ndim == 0 or given.shape[-1] != count:

@@ -1,10 +1,13 @@
 """Whole logs: `dead_reckon` from arrays, tables or files to a `Track`, and what the wheels say about slip."""
 
-from __future__ import annotations  # NumPy is not loaded for its names
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
 
 from six_wheel._core import Noise, Rover
 from six_wheel.kinematics.keywords import checked_class
@@ -24,12 +27,7 @@ from six_wheel.kinematics.objects.tables import (
     times_of,
     twist_columns,
 )
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from six_wheel.kinematics.poses import Floats
+from six_wheel.kinematics.poses import Floats
 
 ROUNDING = 1e-9  # [m/s], below which wheels agree: as many readings as unknowns leave no other residual
 SHOWN_WHEELS = 2  # of a slip report in words, by size
@@ -72,8 +70,6 @@ class OdometryHealth(TextFlag):
 
 def rows_with(health: NDArray[np.uint32], flag: OdometryHealth) -> NDArray[np.int64]:
     """Rows with any of these flags."""
-    import numpy as np
-
     return np.flatnonzero(health & int(flag))
 
 
@@ -199,8 +195,6 @@ class Track(Tabular):
         ValueError
             If a column is missing.
         """
-        import numpy as np
-
         headers = set(headers_of(frame))
         stamps, poses = times_of(frame), rows_of(frame, ("x", "y", "yaw"))
         twists = rows_of(frame, ("vx", "vy", "omega")) if "vx" in headers else np.zeros_like(poses)
@@ -255,8 +249,6 @@ class SlipWindow:
         last: int,
     ) -> SlipWindow:
         """The stretch from one row to another of those that count; `rows` are their numbers in the log."""
-        import numpy as np
-
         slid = residuals[first : last + 1]
         steps = np.diff(stamps[first : last + 1], prepend=stamps[max(first - 1, 0)])
         distances = (slid * steps[:, None]).sum(axis=0)
@@ -296,8 +288,6 @@ class SlipReport(Shown):
     @classmethod
     def of(cls, track: Track, threshold: float | None, gap: float, min_rows: int) -> SlipReport:
         """The report of a track, with `threshold`, `gap` and `min_rows` of `Track.slip_report`."""
-        import numpy as np
-
         if track.residuals is None:
             raise ValueError("track must hold residuals, got one without")
         used = (track.health & int(OdometryHealth.LEFT_OUT | OdometryHealth.FIRST)) == 0
@@ -366,8 +356,6 @@ def can_contradict(rover: Rover, largest: float = math.inf) -> bool:
 
     `largest` is that of a log [m/s]: where there is none, wheels without a motor may have had no encoder.
     """
-    import numpy as np
-
     numbers = np.random.default_rng(0)  # any readings that are not those of a motion
     ranges = [wheel.steering_range for wheel in rover.wheels if wheel.steering_range is not None]
     steering = np.array([numbers.uniform(max(low, -1.0), min(high, 1.0)) for low, high in ranges])

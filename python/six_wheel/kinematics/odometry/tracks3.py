@@ -1,9 +1,12 @@
 """Whole logs in space: the track of a rover on ground."""
 
-from __future__ import annotations  # NumPy is not loaded for its names
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from six_wheel._core import Suspension
 from six_wheel.kinematics.keywords import checked_class
@@ -11,12 +14,7 @@ from six_wheel.kinematics.objects.checked_values import check_columns
 from six_wheel.kinematics.objects.short_text import described, few
 from six_wheel.kinematics.objects.tables import Columns, Tabular, pose_columns, rows_taken
 from six_wheel.kinematics.odometry.tracks import OdometryHealth, findings, rows_with
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from six_wheel.kinematics.poses import Floats
+from six_wheel.kinematics.poses import Floats, quaternions
 
 
 @checked_class
@@ -79,15 +77,11 @@ class Track3(Tabular):
     @property
     def orientations(self) -> Floats:
         """``world_from_body`` as quaternions x, y, z, w, shape (n, 4)."""
-        from six_wheel.kinematics.poses import quaternions
-
         return quaternions(self.attitudes)
 
     @property
     def residuals(self) -> Floats | Any:
         """Speed at which each wheel's contact slid, shape (n, wheels) [m/s]; NaN in the air."""
-        import numpy as np
-
         if self.slips is None:
             return None
         along, aside = self.slips[..., 0], self.slips[..., 1]
