@@ -142,17 +142,11 @@ macro_rules! replaceable {
         #[pymethods]
         impl $class {
             /// The same with some arguments of its constructor given anew.
-            ///
-            /// Parameters
-            /// ----------
+            #[doc = section!(Parameters)]
             /// **changes
             ///     Arguments of the constructor; None leaves one out, so that it has its default. What was not
             ///     given stays so, and what is not named stays as it is.
-            ///
-            /// Raises
-            /// ------
-            /// TypeError
-            ///     If the constructor has no such argument; the message lists those it has.
+            #[doc = raises!(TypeError: "If the constructor has no such argument; the message lists those it has.")]
             /// ValueError
             ///     If the constructor refuses the arguments.
             #[pyo3(signature = (**changes))]

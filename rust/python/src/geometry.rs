@@ -13,18 +13,13 @@ pub use integration::{Course, integrate, rollout};
 
 functions! {
     /// The twists that, each held over its step, pass through the poses: the inverse of `integrate`.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// poses : array_like, shape (n + 1, 3)
     ///     Rows ``[x, y, yaw]`` [m, m, rad].
     /// dt : float or array_like, shape (n,)
     ///     Duration of the steps [s].
     #[doc = parameters!(out "(n, 3)", dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, shape (n, 3)
+    #[doc = returns!("ndarray, shape (n, 3)")]
     ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]; each step turns the short way round.
     #[doc = raises!("If there is no pose, a value is not finite or a duration is not positive.")]
     pub fn differentiate[py: Python<'py>](poses, dt, *, out=None, dtype=None, threads: Option<i64> = None, **)
@@ -47,18 +42,11 @@ functions! {
     }
 
     /// Pose of the body frame after holding a twist for `dt`: the exponential map of SE(2).
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(twist "(..., 3)")]
+    #[doc = section!(Parameters: twist "(..., 3)")]
     /// dt : float or array_like, shape (...), default 1.0
     ///     Duration [s].
     #[doc = parameters!(out "(..., 3)", dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, shape (..., 3)
-    ///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
+    #[doc = returns!("ndarray, shape (..., 3)": "The end ``[x, y, yaw]`` seen from the start [m, m, rad].")]
     #[doc = raises!("If a number is not finite, `dt` negative, or a shape does not fit.")]
     pub fn exp[py: Python<'py>](twist, dt=None, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(twist, dt=1.0, *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
@@ -66,19 +54,13 @@ functions! {
     }
 
     /// The twist that reaches a pose along one arc, turning the short way: the logarithm of SE(2).
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// pose : array_like, shape (..., 3)
     ///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
     /// dt : float or array_like, shape (...), default 1.0
     ///     In how long [s].
     #[doc = parameters!(out "(..., 3)", dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, shape (..., 3)
-    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    #[doc = returns!("ndarray, shape (..., 3)": "``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].")]
     #[doc = raises!("If a number is not finite, `dt` not positive, or a shape does not fit.")]
     pub fn log[py: Python<'py>](pose, dt=None, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(pose, dt=1.0, *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
@@ -114,17 +96,11 @@ fn over_time<'py>(
 
 functions! {
     /// One pose after another: `second` is seen from the end of `first`; yaws add up.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// first, second : array_like, shape (..., 3)
     ///     ``[x, y, yaw]`` [m, m, rad].
     #[doc = parameters!(out "(..., 3)", dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, shape (..., 3)
-    ///     The end of `second` seen from the start of `first`.
+    #[doc = returns!("ndarray, shape (..., 3)": "The end of `second` seen from the start of `first`.")]
     #[doc = raises!("If a number is not finite or a shape does not fit.")]
     pub fn compose[py: Python<'py>](first, second, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(first, second, *, out=None, dtype=None, threads=None)"
@@ -142,17 +118,11 @@ functions! {
     }
 
     /// Angles brought into [-pi, pi] by whole turns; unchanged if they are there already.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// angle : float or array_like, shape (...)
     ///     Angles [rad].
     #[doc = parameters!(out "(...)", dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// float or ndarray, shape (...)
-    ///     The same angles, wrapped [rad].
+    #[doc = returns!("float or ndarray, shape (...)": "The same angles, wrapped [rad].")]
     #[doc = raises!("If an angle is not finite.")]
     pub fn wrap_angle[py: Python<'py>](angle, *, out=None, dtype=None, threads: Option<i64> = None, **)
     as "(angle, *, out=None, dtype=None, threads=None)"

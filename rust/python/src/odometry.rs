@@ -27,9 +27,7 @@ use values::{Gyroscope, Noise};
 /// A step is exact: the displacement that fits the turns of all wheels best, at the steering angles of its middle, is
 /// held as one arc. Its covariance comes from the analytic derivatives of that fit. The first sample is the reference
 /// from which the next one counts. Any thread may call any method: it waits while another one is at work.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// rover : Rover
 ///     Any vehicle.
 /// noise : Noise, optional
@@ -153,9 +151,7 @@ methods! { Odometry:
     }
 
     /// Takes in one sample.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// steering : array_like, shape (steered wheels,)
     ///     Steering angles [rad], or counts of their encoders; None for a rover that does not steer.
     /// wheel_angles : array_like, shape (wheels,)
@@ -166,16 +162,8 @@ methods! { Odometry:
     ///     Absolute yaw from a sensor with a zero of its own [rad]; the first one tells where that is.
     /// yaw_rate : float, optional
     ///     Yaw rate of a gyroscope [rad/s], of which a step takes the mean of its two ends.
-    ///
-    /// Returns
-    /// -------
-    /// OdometryState
-    ///     `pose`, `twist`, `covariance`, `residuals` and more.
-    ///
-    /// Raises
-    /// ------
-    /// UnderdeterminedError
-    ///     If the wheels do not determine the motion.
+    #[doc = returns!("OdometryState": "`pose`, `twist`, `covariance`, `residuals` and more.")]
+    #[doc = raises!(UnderdeterminedError: "If the wheels do not determine the motion.")]
     /// ValueError
     ///     If a reading is not finite, the stamp not later than the last one, a limit exceeded or a shape wrong. The
     ///     state is as before.
@@ -196,19 +184,13 @@ methods! { Odometry:
     /// Open loop, for a rover without readings: it is taken to have held a commanded twist since the last stamp.
     ///
     /// The next sample of `update` is a first one.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(twist "(3,)")]
+    #[doc = section!(Parameters: twist "(3,)")]
     /// stamp : float
     ///     Until when it was held [s]. The first stamp is the reference.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If the rover cannot make the twist.
-    /// ValueError
-    ///     If a value is not finite or the stamp not later than the last one.
+    #[doc = raises!(
+        InfeasibleMotionError: "If the rover cannot make the twist.",
+        ValueError: "If a value is not finite or the stamp not later than the last one."
+    )]
     fn command[&self, py: Python<'py>](twist, stamp: f64, *more)
     as "($self, twist, stamp)" -> PyResult<OdometryState> {
         one_twist_first("Odometry.command((vx, vy, omega), stamp)", twist, 2, more)?;
@@ -217,9 +199,7 @@ methods! { Odometry:
     }
 
     /// Moves the estimate towards a pose from outside, which may come late: the samples since are taken in again.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// pose : array_like, shape (3,)
     ///     ``[x, y, yaw]`` in the world [m, m, rad].
     /// stamp : float
@@ -238,16 +218,10 @@ methods! { Odometry:
 
     /// The pose at an instant, as of an image: between two samples on the arc of the step, after the last one as if the rover
     /// had gone on as before.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// stamp : float
     ///     The instant [s]: not before the last `lag` seconds, nor more than that, or one step, after the last sample.
-    ///
-    /// Returns
-    /// -------
-    /// Pose
-    ///     ``x, y, yaw`` in the world [m, m, rad].
+    #[doc = returns!("Pose": "``x, y, yaw`` in the world [m, m, rad].")]
     #[doc = raises!("If the stamp is not finite, too old, too late, or there was no sample.")]
     fn at[&self, py: Python<'py>](stamp: f64) -> PyResult<Bound<'py, PyAny>> {
         let pose = self.work.lock(py)?.core.pose_at(stamp).or_raise(&[])?;
@@ -255,9 +229,7 @@ methods! { Odometry:
     }
 
     /// Starts over: the next sample is a first one.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// pose : array_like, shape (3,)
     ///     ``[x, y, yaw]`` in the world [m, m, rad], default the origin.
     /// covariance : array_like, shape (3,) or (3, 3), optional
@@ -276,9 +248,7 @@ methods! { Odometry:
     }
 
     /// Goes on from this pose; the readings count on from the last sample.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// pose : array_like, shape (3,)
     ///     ``[x, y, yaw]`` in the world [m, m, rad].
     /// covariance : array_like, shape (3,) or (3, 3), optional

@@ -34,9 +34,7 @@ const FOOTPRINT: usize = 64;
 ///
 /// The noise comes from a counter: all results depend on the arguments and the seed alone, bit for bit, not on threads
 /// or kernels. Nothing is allocated for rollouts after the first cycle.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// rover : Rover
 ///     The rover; without steered wheels that have trail.
 /// limits : Limits, optional
@@ -192,9 +190,7 @@ methods! { Mppi:
     }
 
     /// One cycle: the plan from here on.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// state : array_like, shape (3,), or an object with ``pose``
     ///     Its pose, ``[x, y, yaw]`` [m, m, rad], such as an `OdometryState`, whose ``twist``, ``steering`` and
     ///     ``frame`` count as well, if it has them.
@@ -218,15 +214,8 @@ methods! { Mppi:
     /// out : tuple of ndarray, optional
     ///     Arrays for the plan's `steering`, shape (horizon, steered wheels), and `wheel_speeds`, shape (horizon, wheels).
     #[doc = parameters!(threads, level)]
-    ///
-    /// Returns
-    /// -------
-    /// MppiPlan
-    ///     The motion to command now, and the plan it begins.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
+    #[doc = returns!("MppiPlan": "The motion to command now, and the plan it begins.")]
+    #[doc = raises!(ValueError)]
     ///     If a value is not finite, a shape does not fit, there is nowhere to go, the rover is not on the map, or no
     ///     rollout is left possible. The planner stays as it was, and nothing is written.
     fn step[&self, py: Python<'py>](state, *more, twist=None, steering=None, path=None,
@@ -290,9 +279,7 @@ impl Mppi {
     }
 
     /// Go on from what `state` was.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// state : dict
     ///     As `state` gives it.
     #[doc = raises!("If it is not of a planner like this one.")]

@@ -82,10 +82,7 @@ getters! { Profile, self, py:
 
 methods! { Profile:
     /// From start to end at constant velocity.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(ends, duration)]
+    #[doc = section!(Parameters: ends, duration)]
     #[doc = raises!("If a value is not finite, a shape does not fit, or the duration is not positive.")]
     #[staticmethod]
     fn linear[py: Python<'py>](start, end, duration: f64, **)
@@ -94,10 +91,7 @@ methods! { Profile:
     }
 
     /// Constant acceleration, constant velocity, constant deceleration: a trapezoid of the velocity.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(ends, duration)]
+    #[doc = section!(Parameters: ends, duration)]
     /// ramp : float, optional
     ///     Duration of the acceleration, and of the deceleration [s]; default a third of the duration, at most a half.
     #[doc = raises!("If a value is not finite, a shape does not fit, or a time is not as said.")]
@@ -110,10 +104,7 @@ methods! { Profile:
     }
 
     /// A double S: the acceleration rises and falls at constant jerk. `peaks` states what it takes.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(ends, duration)]
+    #[doc = section!(Parameters: ends, duration)]
     /// ramp : float, optional
     ///     Duration of the acceleration, and of the deceleration [s]; the default and most is half the duration, which
     ///     takes the least jerk: over a distance d in the time T, velocity ``2 d / T``, acceleration
@@ -131,16 +122,10 @@ methods! { Profile:
     ///
     /// Before 0 it rests at the start and after its end at the end, without derivatives; at both instants
     /// themselves it has the derivatives asked for there.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// times : float or array_like, shape (...)
     ///     [s]
-    ///
-    /// Returns
-    /// -------
-    /// State
-    ///     ``value, velocity, acceleration, jerk``, each of shape (...) or (..., axes).
+    #[doc = returns!("State": "``value, velocity, acceleration, jerk``, each of shape (...) or (..., axes).")]
     #[doc = raises!("If a time is not finite.")]
     fn at[&self, py: Python<'py>](times) -> PyResult<Bound<'py, PyAny>> {
         let times = Rows::read_numbers("times", times)?.finite()?;

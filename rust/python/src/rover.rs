@@ -43,9 +43,7 @@ const MOST_ITEMS: usize = 1 << 16;
 ///
 /// Immutable, hashable, comparable, picklable, and safe on any number of threads: nothing is remembered
 /// between calls. Twists are ``[vx, vy, omega]`` in body axes (x forward, y left) [m/s, m/s, rad/s].
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// wheels : sequence of Wheel
 ///     1 to 64 wheels with different names; arrays of wheel speeds follow their order, arrays of steering
 ///     angles that of the steered ones.
@@ -58,10 +56,7 @@ const MOST_ITEMS: usize = 1 << 16;
 ///     in the order of the wheels have the wheel's.
 /// suspension : RockerBogie, optional
 ///     Suspension of the six wheels, for a rover whose file describes it.
-///
-/// Raises
-/// ------
-/// ValueError
+#[doc = raises!(ValueError)]
 ///     If there is no wheel or too many, two share a name, the joints do not match the wheels, or a
 ///     suspension does not have these wheels.
 ///
@@ -289,26 +284,18 @@ methods! { Rover:
     ///
     /// Names, order and joints of the wheels stay. Wheels that change no longer stand on the suspension they had, unless
     /// it is given again.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// wheel : str, optional
     ///     Name of the wheel that changes; default every wheel.
     /// **changes
     ///     Arguments of `Wheel` but for its name; `steering_limit` is that of every steered wheel. Without a name arguments of
     ///     `Rover`, too; of them `wheels` may be a dict of some wheels by name, each a `Wheel` or a dict of its changes. None
     ///     leaves one out, so that it has its default.
-    ///
-    /// Returns
-    /// -------
-    /// Rover
-    ///
-    /// Raises
-    /// ------
-    /// TypeError
-    ///     If there is no such argument; the message lists those there are.
-    /// ValueError
-    ///     If there is no such wheel, or a wheel or the rover may not be like that.
+    #[doc = returns!("Rover")]
+    #[doc = raises!(
+        TypeError: "If there is no such argument; the message lists those there are.",
+        ValueError: "If there is no such wheel, or a wheel or the rover may not be like that."
+    )]
     fn replace[slf: &Bound<'py, Self>](wheel=None, /, **changes) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
         let changes = changes.cloned().unwrap_or_else(|| PyDict::new(py));

@@ -23,9 +23,7 @@ use crate::workers::{fill_rows, workers};
 /// Node ``(row, column)`` lies at ``origin + R(yaw) (column dx, row dy)``: x grows with columns, y with
 /// rows. Between nodes heights are bilinear. NaN is a height that nobody knows; neither it nor the outside is
 /// ever guessed.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// heights : array_like, shape (rows, columns)
 ///     Heights [m], NaN where unknown. Single precision stays single precision.
 ///     Masked arrays are unknown where they are masked. A DataArray of xarray and a DataFrame of pandas have their
@@ -44,10 +42,7 @@ use crate::workers::{fill_rows, workers};
 ///     Numbers that stand for an unknown height; NaN if every number is a height.
 /// unit : str or float, optional
 ///     Of the heights, as for `read`; default m.
-///
-/// Raises
-/// ------
-/// ValueError
+#[doc = raises!(ValueError)]
 ///     If there are fewer than two rows or columns, a height is infinite or 1e15 m and more, the spacing is not
 ///     positive, or so small that it can only be in degrees, or some heights look like marks of unknown ones or like
 ///     a picture.
@@ -219,18 +214,12 @@ methods! { Terrain:
     }
 
     /// Heights at points of the world.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(points)]
+    #[doc = section!(Parameters: points)]
     /// method : {'bilinear', 'bicubic'}
     ///     From the four corners of the cell, which is the surface that wheels stand on; or smoothly from
     ///     sixteen nodes.
     #[doc = parameters!(out "(...)", dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// float or ndarray, shape (...)
+    #[doc = returns!("float or ndarray, shape (...)")]
     ///     Heights [m]; NaN off the map and where a height that enters is unknown.
     #[doc = raises!("If a shape does not fit, or the method is not known.")]
     fn height_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
@@ -241,17 +230,11 @@ methods! { Terrain:
     }
 
     /// Derivatives of the height by x and y.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(points)]
+    #[doc = section!(Parameters: points)]
     /// method : {'bilinear', 'bicubic'}
     ///     As for `height_at`. On a crease of the bilinear surface, those of the cell that comes after it.
     #[doc = parameters!(out "(..., 2)", dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, shape (..., 2)
+    #[doc = returns!("ndarray, shape (..., 2)")]
     ///     Slopes along x and y of the world; NaN off the map and where a height that enters is unknown.
     #[doc = raises!("If a shape does not fit, or the method is not known.")]
     fn gradient_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
@@ -262,17 +245,11 @@ methods! { Terrain:
     }
 
     /// Unit normals of the ground, upwards.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(points)]
+    #[doc = section!(Parameters: points)]
     /// method : {'bilinear', 'bicubic'}
     ///     As for `gradient_at`.
     #[doc = parameters!(out "(..., 3)", dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, shape (..., 3)
+    #[doc = returns!("ndarray, shape (..., 3)")]
     ///     Normals in world axes; NaN off the map and where a height that enters is unknown.
     #[doc = raises!("If a shape does not fit, or the method is not known.")]
     fn normal_at[&self, py: Python<'py>](xy, *, method: &str = "bilinear", out=None, dtype=None,
@@ -283,14 +260,8 @@ methods! { Terrain:
     }
 
     /// True for points on the map, its rim included; heights there may still be unknown.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(points, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// bool or ndarray, shape (...)
+    #[doc = section!(Parameters: points, threads)]
+    #[doc = returns!("bool or ndarray, shape (...)")]
     #[doc = raises!("If a shape does not fit.")]
     fn contains[&self, py: Python<'py>](xy, *, threads: Option<i64> = None) -> PyResult<Py<PyAny>> {
         let workers = workers(threads, None)?;

@@ -13,9 +13,7 @@ use crate::convert::{OrRaise, pair_or_one, refuse};
 use crate::unit_warnings::warn_units;
 
 /// One wheel of a rover: where its pivot is, which way it rolls, whether it steers.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// name : str
 ///     Unique within its rover.
 /// x, y : float

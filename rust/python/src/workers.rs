@@ -42,10 +42,7 @@ fn count(threads: i64) -> PyResult<usize> {
 }
 
 /// SIMD levels this machine has, the best last: what `level=` takes.
-///
-/// Returns
-/// -------
-/// list of str
+#[doc = returns!("list of str")]
 ///     Some of ``"scalar"`` (row by row), ``"neon"``, ``"avx2"`` and ``"avx512"``.
 #[pyfunction]
 pub fn simd_levels() -> Vec<&'static str> {
@@ -53,20 +50,14 @@ pub fn simd_levels() -> Vec<&'static str> {
 }
 
 /// Threads of a batch that does not say how many: 1 until `set_default_threads` is called.
-///
-/// Returns
-/// -------
-/// int
-///     Threads at most; batches under 20000 rows are worked through by the calling thread alone.
+#[doc = returns!("int": "Threads at most; batches under 20000 rows are worked through by the calling thread alone.")]
 #[pyfunction]
 pub fn default_threads() -> usize {
     DEFAULT_THREADS.load(Ordering::Relaxed)
 }
 
 /// Sets the threads of batches that do not say how many. Results do not depend on it, bit for bit.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// threads : int
 ///     At least 1.
 #[doc = raises!("If there are none.")]

@@ -1,4 +1,4 @@
-//! Documentation of parameters that many calls have, and of errors.
+//! Documentation of calls: headings of its sections, and parameters that many calls have.
 
 /// Lines on parameters, as numpydoc has them: `#[doc = parameters!(out "(..., 3)", dtype, threads)]`.
 macro_rules! parameters {
@@ -83,9 +83,30 @@ wheel_encoders, steering_encoders : Encoder, sequence of Encoder or dict of str 
     };
 }
 
-/// The section on errors of a call that raises `ValueError` alone: `#[doc = raises!("If a value is not finite.")]`.
+/// The heading of the parameters, and the first of them where [`parameters!`] has these: `#[doc = section!(Parameters: threads)]`.
+macro_rules! section {
+    (Parameters $(: $($first:tt)+)?) => {
+        concat!("\nParameters\n----------" $(, "\n", parameters!($($first)+))?)
+    };
+}
+
+/// The section on what a call returns, its type and a line on it: `#[doc = returns!("float": "Duration [s].")]`.
+macro_rules! returns {
+    ($kind:literal $(: $text:literal)?) => {
+        concat!("\nReturns\n-------\n", $kind $(, "\n    ", $text)?)
+    };
+}
+
+/// The section on errors: `#[doc = raises!(TypeError: "If it is no number.", ValueError: "If it is not finite.")]`; with a rule
+/// alone it is that of `ValueError`, with names alone the lines on them follow.
 macro_rules! raises {
     ($rule:literal) => {
-        concat!("\nRaises\n------\nValueError\n    ", $rule)
+        raises!(ValueError: $rule)
+    };
+    ($kind:ident $(, $other:ident)*) => {
+        concat!("\nRaises\n------\n", stringify!($kind) $(, ", ", stringify!($other))*)
+    };
+    ($kind:ident: $rule:literal $(, $other:ident: $more:literal)*) => {
+        concat!(raises!($kind), "\n    ", $rule $(, "\n", stringify!($other), "\n    ", $more)*)
     };
 }

@@ -17,9 +17,7 @@ use crate::unit_warnings::warn_units;
 ///
 /// Linear limits are of the velocity of the body's origin, angular ones of the yaw rate. Speeding up and
 /// slowing down count along the motion: they mean the same forwards and backwards.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// speed, yaw_rate : float, optional
 ///     Of the body [m/s, rad/s].
 /// acceleration, deceleration : float, optional
@@ -41,10 +39,7 @@ use crate::unit_warnings::warn_units;
 /// halt_deceleration : float, optional
 ///     Change of the speed of a wheel over the ground during a halt [m/s^2], at least `deceleration`. Default:
 ///     `deceleration`.
-///
-/// Raises
-/// ------
-/// ValueError
+#[doc = raises!(ValueError)]
 ///     If a limit is zero, negative or not a number: the rover could not move, or not stop. If `halt_deceleration` is less
 ///     than `deceleration`.
 #[pyclass(frozen, module = "six_wheel", from_py_object)]
@@ -127,38 +122,23 @@ methods! { Limits:
     }
 
     /// These limits with the defaults of a rover filled in.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// rover : Rover
     ///     The distance of its farthest wheel from the origin [m] turns linear limits into angular ones.
-    ///
-    /// Returns
-    /// -------
-    /// Limits
+    #[doc = returns!("Limits")]
     ///     `acceleration` 9.81 m/s^2, `deceleration` as `acceleration`, `angular_acceleration`,
     ///     `angular_deceleration` and `angular_jerk` the linear limit over that distance, `steering_rate` 12 rad/s,
     ///     `halt_deceleration` as `deceleration`, where they were left out. The others have no default and are infinite.
-    ///
-    /// Raises
-    /// ------
-    /// TypeError
-    ///     If `rover` is not a Rover.
+    #[doc = raises!(TypeError: "If `rover` is not a Rover.")]
     fn on[&self](rover: Bound<'py, Rover>) -> Self {
         Self(self.0.on(&rover.get().core))
     }
 
     /// Way of a halt straight ahead from a steady speed.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// speed : float
     ///     [m/s]
-    ///
-    /// Returns
-    /// -------
-    /// float
-    ///     At the halt_deceleration of these limits [m].
+    #[doc = returns!("float": "At the halt_deceleration of these limits [m].")]
     #[doc = raises!("If the speed is not finite.")]
     fn halting_distance[&self](speed: f64) -> PyResult<f64> {
         six_wheel_numerics::error::bounded("speed", &[speed]).or_raise(&[])?;
@@ -166,16 +146,10 @@ methods! { Limits:
     }
 
     /// Way of the quickest stop straight ahead from a steady speed.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// speed : float
     ///     [m/s]
-    ///
-    /// Returns
-    /// -------
-    /// float
-    ///     At the deceleration and jerk of these limits [m].
+    #[doc = returns!("float": "At the deceleration and jerk of these limits [m].")]
     #[doc = raises!("If the speed is not finite.")]
     fn stopping_distance[&self](speed: f64) -> PyResult<f64> {
         six_wheel_numerics::error::bounded("speed", &[speed]).or_raise(&[])?;

@@ -27,9 +27,7 @@ pub use quick::install;
 /// curvature stays. A command the rover cannot follow at once is approached as fast as the limits allow; `reasons`
 /// says which of them does. Time is given, never read. Any thread may call any method: it waits while another one is at
 /// work.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// rover : Rover
 ///     What is driven.
 /// limits : Limits
@@ -159,19 +157,12 @@ methods! { Controller:
     /// One that is not finite is ignored, and flagged by the steps until a good one comes: meanwhile the last good
     /// one ages. One older than the last is ignored, and flagged by the next step. A stamp ahead of the
     /// next step's time counts as that time.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(twist "(3,)")]
+    #[doc = section!(Parameters: twist "(3,)")]
     /// stamp : float
     ///     When it was given [s], by the clock of `step`.
     /// mode : {'free', 'crab', 'spin'}, optional
     ///     Which motions are meant; default that of the controller.
-    ///
-    /// Returns
-    /// -------
-    /// bool
-    ///     Whether it was taken.
+    #[doc = returns!("bool": "Whether it was taken.")]
     #[doc = raises!("If the stamp is not finite or the shape does not fit.")]
     fn command[&self, py: Python<'py>](twist, stamp: f64, mode=None, *more)
     as "($self, twist, stamp, mode=None)" -> PyResult<bool> {
@@ -186,23 +177,15 @@ methods! { Controller:
     }
 
     /// Move on to a time.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// stamp : float
     ///     When the joints are commanded [s]; later than the last step. The first one starts the clock.
     /// measured : array_like, shape (steered wheels,), optional
     ///     Where the steering joints are [rad].
-    ///
-    /// Returns
-    /// -------
-    /// ControllerOutput
+    #[doc = returns!("ControllerOutput")]
     ///     `commands` by joint name, `twist`, `reasons`; `steering`, `steering_rates` and `wheel_speeds` in the order of
     ///     the wheels.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
+    #[doc = raises!(ValueError)]
     ///     If the stamp is not later than that of the last step, or an angle is not finite. The controller stays as it was. Angles
     ///     beyond a limit are none: the joints come back inside at their rates.
     fn step[&self, py: Python<'py>](stamp: f64, measured=None) -> PyResult<ControllerOutput> {
@@ -216,15 +199,10 @@ methods! { Controller:
     ///
     /// The body rests. The joints stay where they were last commanded, or start where the next step measures them: a reset
     /// moves none. It is no stop; `halt` is.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// steering : array_like, shape (steered wheels,), optional
     ///     Steering angles to start at instead [rad].
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
+    #[doc = raises!(ValueError)]
     ///     If an angle is not finite or far outside its range, or the shape does not fit. Nothing is changed then.
     fn reset[&self, py: Python<'py>](steering=None) -> PyResult<()> {
         let steering = Rows::read_beside("steering", steering, self.joints, &[])?;
@@ -245,11 +223,7 @@ impl Controller {
     }
 
     /// End a halt, whatever it came from. Nothing moves before a new command.
-    ///
-    /// Returns
-    /// -------
-    /// bool
-    ///     False, without effect, while body or joints still move.
+    #[doc = returns!("bool": "False, without effect, while body or joints still move.")]
     fn release(&self, py: Python<'_>) -> PyResult<bool> {
         Ok(self.core.lock(py)?.release())
     }

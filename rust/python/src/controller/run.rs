@@ -32,9 +32,7 @@ result_class! {
 
 methods! { Controller:
     /// Many steps in one call: a log, a plan, a simulation. The same, bit for bit, as the calls one by one.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// twists : array_like, shape (m, 3)
     ///     The commands, rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
     /// stamps : array_like, shape (m,)
@@ -42,15 +40,9 @@ methods! { Controller:
     ///     earlier than its stamp.
     /// step_stamps : array_like, shape (n,)
     ///     Stamps of the steps [s], increasing.
-    ///
-    /// Returns
-    /// -------
-    /// ControllerRun
+    #[doc = returns!("ControllerRun")]
     ///     `stamps`, `steering`, `wheel_speeds`, `twist`, `reasons`, `steering_rates`, one row a step.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
+    #[doc = raises!(ValueError)]
     ///     If a step is not later than the one before it, a command is later than all of them, one of them is not
     ///     finite, or the shapes do not fit. The controller stays as it was.
     fn run[&self, py: Python<'py>](twists, stamps, step_stamps) -> PyResult<ControllerRun> {
@@ -105,36 +97,22 @@ impl ControllerRun {
     }
 
     /// The columns as a `pandas.DataFrame`.
-    ///
-    /// Raises
-    /// ------
-    /// ModuleNotFoundError
-    ///     If pandas is not installed; the message has the install line.
+    #[doc = raises!(ModuleNotFoundError: "If pandas is not installed; the message has the install line.")]
     fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         table(slf)?.call_method0("to_pandas")
     }
 
     /// The columns as a `pyarrow.Table`, each with its ``unit`` in the metadata of its field.
-    ///
-    /// Raises
-    /// ------
-    /// ModuleNotFoundError
-    ///     If pyarrow is not installed; the message has the install line.
+    #[doc = raises!(ModuleNotFoundError: "If pyarrow is not installed; the message has the install line.")]
     fn to_arrow<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         table(slf)?.call_method0("to_arrow")
     }
 
     /// Write the columns to a CSV file with all their digits.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// path : path
     ///     A file that is there is replaced.
-    ///
-    /// Raises
-    /// ------
-    /// OSError
-    ///     If the file cannot be written.
+    #[doc = raises!(OSError: "If the file cannot be written.")]
     fn to_csv(slf: &Bound<'_, Self>, path: &Bound<'_, PyAny>) -> PyResult<()> {
         table(slf)?.call_method1("to_csv", (path,)).map(drop)
     }

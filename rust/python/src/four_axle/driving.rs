@@ -29,26 +29,18 @@ impl FourAxle {
 
 methods! { FourAxle:
     /// The step that drives on with both pairs locked.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// state : FourAxleState
     ///     Pose and angles at the beginning.
     /// speed : float
     ///     Root mean square speed of the pivots [m/s]: straight ahead the speed of the body. Negative
     ///     backwards.
     #[doc = parameters!(duration)]
-    ///
-    /// Returns
-    /// -------
-    /// FourAxleStep
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If the robot cannot move with these angles locked.
-    /// ValueError
-    ///     If the speed is not finite or the duration not positive.
+    #[doc = returns!("FourAxleStep")]
+    #[doc = raises!(
+        InfeasibleMotionError: "If the robot cannot move with these angles locked.",
+        ValueError: "If the speed is not finite or the duration not positive."
+    )]
     fn drive[&self, py: Python<'py>](state, speed: f64, duration: f64) -> PyResult<Bound<'py, PyAny>> {
         let step = self.core.drive(read_state(state)?, speed, duration);
         write_step(py, &step.map_err(raised)?)
@@ -61,9 +53,7 @@ methods! { FourAxle:
     /// speeds and the drives of the locked pair follow. That needs the axles of the locked pair in line:
     /// rigid axles always are, those on two pivots at angle 0. Where it cannot be, the robot stops: one pair turns
     /// while the other and its wheels hold the body.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// state : FourAxleState
     ///     Pose and angles at the beginning, both pairs locked.
     /// curvature : float
@@ -77,19 +67,13 @@ methods! { FourAxle:
     ///     Rate of the faster axle where the pair turns slowest [rad/s].
     /// brake_time : float, default 0.0
     ///     For how long to drive on with both pairs locked after locking one under way [s].
-    ///
-    /// Returns
-    /// -------
-    /// TurnSequence
+    #[doc = returns!("TurnSequence")]
     ///     ``.steps`` with their expected ends, ``.stops``, and ``.reason``, which says why it stops or takes
     ///     a detour.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If an axle would leave its range.
-    /// ValueError
-    ///     If a value is not finite or a brake is free.
+    #[doc = raises!(
+        InfeasibleMotionError: "If an axle would leave its range.",
+        ValueError: "If a value is not finite or a brake is free."
+    )]
     fn turn_sequence[&self, py: Python<'py>](state, curvature: f64, *, steer: &str = "both", speed: Option<f64> = None,
         pivot_rate: Option<f64> = None, brake_time: Option<f64> = None)
     as "($self, state, curvature, *, steer='both', speed=0.0, pivot_rate=0.5, brake_time=0.0)"
@@ -101,23 +85,15 @@ methods! { FourAxle:
     }
 
     /// Steps that re-aim the axles at a point, without a stop if the axles allow it: (0, 0) to spin in place.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// state : FourAxleState
     ///     Pose and angles at the beginning, both pairs locked.
     /// icr : array_like, shape (2,)
     ///     The point, as in `concurrent_angles` [m].
     /// speed, pivot_rate, brake_time : float
     ///     Speed [m/s], rate of the faster axle [rad/s] and time with both pairs locked [s], as in `turn_sequence`.
-    ///
-    /// Returns
-    /// -------
-    /// TurnSequence
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError, ValueError
+    #[doc = returns!("TurnSequence")]
+    #[doc = raises!(InfeasibleMotionError, ValueError)]
     ///     As `turn_sequence` and `concurrent_angles`.
     fn aim_sequence[&self, py: Python<'py>](state, icr: [f64; 2], *, speed: Option<f64> = None,
         pivot_rate: Option<f64> = None, brake_time: Option<f64> = None)
@@ -131,30 +107,21 @@ methods! { FourAxle:
     ///
     /// Every change of a brake is checked at the angles where it happens. Motion with both pairs locked is
     /// exact; with a free pair it is integrated until half the step changes nothing beyond 1e-12 rad and m.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// sequence : iterable of FourAxleStep
     ///     Steps to do; the ends of planned steps are not looked at.
     /// dt : float
     ///     Largest time between samples [s].
     /// state : FourAxleState, optional
     ///     Pose and angles at the beginning; by default straight ahead at the origin, both pairs locked.
-    ///
-    /// Returns
-    /// -------
-    /// FourAxleSimulation
+    #[doc = returns!("FourAxleSimulation")]
     ///     ``.stamps``, ``.poses``, ``.steering``, ``.twists``, ``.wheel_speeds``, ``.residuals``,
     ///     ``.ends``, ``.final``.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If a brake may not change at the angles it would change at; the step is named.
-    /// UnderdeterminedError
-    ///     If the wheels of a step do not determine the motion.
-    /// ValueError
-    ///     If a value is not finite, `dt` not positive, or an axle leaves its range.
+    #[doc = raises!(
+        InfeasibleMotionError: "If a brake may not change at the angles it would change at; the step is named.",
+        UnderdeterminedError: "If the wheels of a step do not determine the motion.",
+        ValueError: "If a value is not finite, `dt` not positive, or an axle leaves its range."
+    )]
     fn simulate[&self, py: Python<'py>](sequence, dt: f64, *, state=None) -> PyResult<Bound<'py, PyAny>> {
         let start = state.map_or(Ok(State::default()), read_state)?;
         let given = items("sequence", sequence, MOST_STEPS)?;
@@ -178,21 +145,13 @@ methods! { FourAxle:
     }
 
     /// The state with a pair locked.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// state : FourAxleState
     ///     The present state; it is left as it is.
     /// pair : {'front', 'rear'}
     ///     Brake to set.
-    ///
-    /// Returns
-    /// -------
-    /// FourAxleState
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
+    #[doc = returns!("FourAxleState")]
+    #[doc = raises!(InfeasibleMotionError)]
     ///     If both pairs locked at these angles could not move; the message has the singular value and the
     ///     angles at which the pair could be locked.
     fn lock[&self, py: Python<'py>](state, pair: &str) -> PyResult<Bound<'py, PyAny>> {
@@ -203,21 +162,13 @@ methods! { FourAxle:
     ///
     /// Both pairs may be free only where locking both would be refused: there the axles themselves hold the
     /// body.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// state : FourAxleState
     ///     The present state; it is left as it is.
     /// pair : {'front', 'rear'}
     ///     Brake to release.
-    ///
-    /// Returns
-    /// -------
-    /// FourAxleState
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
+    #[doc = returns!("FourAxleState")]
+    #[doc = raises!(InfeasibleMotionError)]
     ///     If the other pair is free and the axle lines share a point: nothing would hold the body.
     fn release[&self, py: Python<'py>](state, pair: &str) -> PyResult<Bound<'py, PyAny>> {
         self.with_brakes(py, state, pair, Core::release)

@@ -22,9 +22,7 @@ use values::{array, axles, brake, drives, raised, value, vector};
 /// its rate. Pivots on the centre line carry one rigid axle per pair: two differential drives in tandem.
 /// Axles come in the order front left, front right, rear left, rear right; their angles are the headings of
 /// the wheels in the body.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// pivots : (float, float)
 ///     Half the distance of the pivots along and across the body [m]; across it may be 0.
 /// axle_length : float
@@ -93,24 +91,14 @@ methods! { FourAxle:
     }
 
     /// Axle angles and wheel speeds for a twist with all pivots locked: `rover.inverse`.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(twist "(..., 3)")]
+    #[doc = section!(Parameters: twist "(..., 3)")]
     /// previous : array_like, shape (..., 4), optional
     ///     Present axle angles [rad].
     /// out : (ndarray, ndarray), shapes (..., 4) and (..., 4), optional
     ///     Arrays for steering and wheel speeds.
     #[doc = parameters!(dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// steering, wheel_speeds : ndarray, shape (..., 4)
-    ///     Axle angles [rad] and wheel speeds [rad/s].
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError, ValueError
+    #[doc = returns!("steering, wheel_speeds : ndarray, shape (..., 4)": "Axle angles [rad] and wheel speeds [rad/s].")]
+    #[doc = raises!(InfeasibleMotionError, ValueError)]
     ///     As `Rover.inverse`.
     fn inverse[&self, py: Python<'py>](twist, *, previous=None, out=None, dtype=None, threads: Option<i64> = None)
     -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
@@ -122,27 +110,18 @@ methods! { FourAxle:
     /// With one pair free and the drives of the other following, the rows may leave open how fast
     /// axles on two pivots go along; the motion is then the one that lasts, under which the axle lines go on to share a
     /// point.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// steering : array_like, shape (4,)
     ///     Axle angles [rad].
     /// wheel_speeds : sequence of float or None, length 4
     ///     Wheel speeds [rad/s]; None where the drive follows.
     /// front_brake, rear_brake : {'locked', 'free'}
     ///     Brakes of the two pairs.
-    ///
-    /// Returns
-    /// -------
-    /// FourAxleMotion
-    ///     ``.twist``, ``.pivot_rates``, ``.wheel_speeds``, ``.residuals``, ``.rank``.
-    ///
-    /// Raises
-    /// ------
-    /// UnderdeterminedError
-    ///     If the wheels do not determine body and free pivots.
-    /// ValueError
-    ///     If a value is not finite, an angle out of range, or the angles of a rigid axle differ.
+    #[doc = returns!("FourAxleMotion": "``.twist``, ``.pivot_rates``, ``.wheel_speeds``, ``.residuals``, ``.rank``.")]
+    #[doc = raises!(
+        UnderdeterminedError: "If the wheels do not determine body and free pivots.",
+        ValueError: "If a value is not finite, an angle out of range, or the angles of a rigid axle differ."
+    )]
     fn forward[&self, py: Python<'py>](steering, wheel_speeds, *, front_brake: &str = "locked",
         rear_brake: &str = "locked")
     -> PyResult<Bound<'py, PyAny>> {
@@ -160,25 +139,16 @@ methods! { FourAxle:
     }
 
     /// Axle angles under which the robot turns about a point, and nothing slips.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// icr : array_like, shape (..., 2)
     ///     The point in body axes [m]; (0, 0) to spin in place, (0, inf) for straight ahead, (inf, 0) for a
     ///     crab sideways. Other crabs have a direction, not a point: `inverse`.
     #[doc = parameters!(out "(..., 4)", dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, shape (..., 4)
-    ///     Axle angles [rad], as near to 0 as half turns bring them.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If an axle would leave its range.
-    /// ValueError
-    ///     If a coordinate is NaN, or both are infinite.
+    #[doc = returns!("ndarray, shape (..., 4)": "Axle angles [rad], as near to 0 as half turns bring them.")]
+    #[doc = raises!(
+        InfeasibleMotionError: "If an axle would leave its range.",
+        ValueError: "If a coordinate is NaN, or both are infinite."
+    )]
     fn concurrent_angles[&self, py: Python<'py>](icr, *, out=None, dtype=None, threads: Option<i64> = None)
     -> PyResult<AnyArray<'py>> {
         let workers = workers(threads, None)?;
@@ -201,15 +171,10 @@ methods! { FourAxle:
 #[pymethods]
 impl FourAxle {
     /// Mobility of the robot with its axles locked at these angles, from the rank of the side-slip rows.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// steering : array_like, shape (4,)
     ///     Axle angles [rad].
-    ///
-    /// Returns
-    /// -------
-    /// FourAxleMobility
+    #[doc = returns!("FourAxleMobility")]
     ///     ``.rank``, ``.degree_of_mobility``, ``.singular_values``, ``.motion``, ``.slip``, ``.margin``.
     #[doc = raises!("If an angle is not finite or out of range, or the angles of a rigid axle differ.")]
     fn mobility<'py>(&self, py: Python<'py>, steering: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {

@@ -104,9 +104,7 @@ functions! {
     ///
     /// Exact for a twist that is constant over each step, whatever the length of the step. The sums carry
     /// their rounding errors along, and the yaw keeps its full turns.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// twists : array_like, shape (..., n, 3)
     ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]. Leading axes are separate logs.
     /// dt : float or array_like, shape (n,)
@@ -114,10 +112,7 @@ functions! {
     /// start : array_like, shape (3,) or (..., 3), default (0, 0, 0)
     ///     First pose ``[x, y, yaw]`` [m, m, rad], of all logs or of each.
     #[doc = parameters!(out "(..., n + 1, 3)", dtype, threads, level)]
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, shape (..., n + 1, 3)
+    #[doc = returns!("ndarray, shape (..., n + 1, 3)")]
     ///     Rows ``[x, y, yaw]`` [m, m, rad], the first of which is `start`.
     #[doc = raises!("If a value is not finite or a duration is negative.")]
     ///
@@ -132,9 +127,7 @@ functions! {
     }
 
     /// Poses of a sampling planner's rollouts: `integrate` for many short logs that start from one pose.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// controls : array_like, shape (..., k, t, 3)
     ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]: k rollouts of t steps.
     /// dt : float or array_like, shape (t,)
@@ -154,10 +147,7 @@ functions! {
     /// delay : float, default 0.0
     ///     Delay before a control has an effect, in which the motion goes on [s].
     #[doc = parameters!(threads, level)]
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, shape (..., k, t + 1, 3)
+    #[doc = returns!("ndarray, shape (..., k, t + 1, 3)")]
     ///     Rows ``[x, y, yaw]`` [m, m, rad], the first of every rollout its start.
     #[doc = raises!("If a value is not finite or a duration is negative.")]
     pub fn rollout[py: Python<'py>](controls, dt, start=None, *, out=None, dtype=None,

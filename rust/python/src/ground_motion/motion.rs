@@ -25,9 +25,7 @@ methods! { Suspension:
     /// Twist and joint rates are those of the stand's own contacts. Steering moves a contact; it is taken to move on
     /// the plane its wheel stands on. So the answer is exact where the ground is plane, and elsewhere for a stand
     /// settled at the steering angles that come out: settle once more with them.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// stand : SettledPose
     ///     Result of `settle`, shape (...). Rows that did not settle give NaN.
     /// command : array_like, shape (..., 2) or (..., 3)
@@ -42,18 +40,12 @@ methods! { Suspension:
     ///     Arrays for steering, wheel speeds, twist, joint rates and scale, in this order, of the shapes of the result;
     ///     what is left out, or None, is fresh. Nothing is written by a call that fails.
     #[doc = parameters!(threads, level)]
-    ///
-    /// Returns
-    /// -------
-    /// GroundCommand
+    #[doc = returns!("GroundCommand")]
     ///     `steering` [rad] and `wheel_speeds` [rad/s], into which it unpacks, with `twist`, `joint_rates` and `scale`.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If a wheel would steer past its limit, or, beside its steering axis, rolls at no angle.
-    /// ValueError
-    ///     If a number is not finite or a shape does not fit.
+    #[doc = raises!(
+        InfeasibleMotionError: "If a wheel would steer past its limit, or, beside its steering axis, rolls at no angle.",
+        ValueError: "If a number is not finite or a shape does not fit."
+    )]
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4), 2005.
     fn inverse[&self, py: Python<'py>](stand, command, *, view: &str = "body", steering=None, max_wheel_speed=None,
@@ -102,9 +94,7 @@ methods! { Suspension:
     /// that keep the wheels on it. The motion in plan is the weighted least-squares solution of what every
     /// touching point says: no velocity along the rim beyond the wheel's turning, none sideways. What was
     /// measured is taken as it is, and adds its own equations.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// stand : SettledPose
     ///     Result of `settle`, at the steering angles of the moment, shape (...). Rows that did not settle give NaN.
     /// steering : array_like, shape (..., steered wheels) or None
@@ -123,11 +113,7 @@ methods! { Suspension:
     ///     Arrays for the twist, or twist, joint rates and residuals, in this order, of the shapes of the result; what
     ///     is left out, or None, is fresh. Nothing is written by a call that fails.
     #[doc = parameters!(threads, level)]
-    ///
-    /// Returns
-    /// -------
-    /// GroundMotion
-    ///     `twist` [m/s, rad/s], `joint_rates` [rad/s], `residuals` [m/s].
+    #[doc = returns!("GroundMotion": "`twist` [m/s, rad/s], `joint_rates` [rad/s], `residuals` [m/s].")]
     #[doc = raises!("If a number is not finite, a weight negative or a shape does not fit.")]
     ///
     /// Source: N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.

@@ -22,9 +22,7 @@ result_class! {
 
 methods! { Suspension:
     /// Slip ratio and slip angle of every wheel at a known motion.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// stand : SettledPose
     ///     Result of `settle`, at the steering angles of the moment, shape (...).
     /// wheel_speeds : array_like, shape (..., wheels)
@@ -37,11 +35,7 @@ methods! { Suspension:
     ///     Arrays for ratio and angle, in this order, each of shape (..., wheels); what is left out, or None, is
     ///     fresh. Nothing is written by a call that fails.
     #[doc = parameters!(threads)]
-    ///
-    /// Returns
-    /// -------
-    /// WheelSlip
-    ///     `ratio` and `angle` [rad].
+    #[doc = returns!("WheelSlip": "`ratio` and `angle` [rad].")]
     #[doc = raises!("If a number is not finite or a shape does not fit.")]
     fn slip[&self, py: Python<'py>](stand, wheel_speeds, twist, joint_rates, *, out=None, threads: Option<i64> = None)
     -> PyResult<WheelSlip> {
@@ -90,16 +84,10 @@ result_class! {
 
 methods! { BodySlip:
     /// The command for a wanted motion: less the slip where there is some, so that what comes of it is wanted.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// wanted : array_like, shape (n,)
     ///     A motion in the same components.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, shape (n,)
-    ///     Motion to command.
+    #[doc = returns!("ndarray, shape (n,)": "Motion to command.")]
     #[doc = raises!("If a number is not finite or the shape does not fit.")]
     ///
     /// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
@@ -119,20 +107,14 @@ methods! { BodySlip:
 
 functions! {
     /// Tests if a motion that was navigated differs from the one the wheels tell by more than noise.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// navigated, kinematic : array_like, shape (n,)
     ///     The same motion, one to six components of it, from elsewhere and from the wheels: twists or increments.
     /// covariance : array_like, shape (n, n)
     ///     Of their difference without slip: the sum of both covariances.
     /// false_alarm : float, default 0.01
     ///     Probability with which a rover that does not slip is said to slip.
-    ///
-    /// Returns
-    /// -------
-    /// BodySlip
-    ///     `slip`, `statistic`, `threshold`, `probability`, `slipping`, and `compensate`.
+    #[doc = returns!("BodySlip": "`slip`, `statistic`, `threshold`, `probability`, `slipping`, and `compensate`.")]
     #[doc = raises!("If a number is not finite, the covariance not positive definite, or a shape does not fit.")]
     ///
     /// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry

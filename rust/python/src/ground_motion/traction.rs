@@ -79,9 +79,7 @@ methods! { Suspension:
     /// the link that carries it. The vertical speed of the body shows in no rate. It is the median over the
     /// wheels of the one at which a wheel would move along its link, or, where wheel speeds were measured,
     /// the one that fits them best. With all rates 0 and the joints at 0 this is the rover seen from above.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// speed : float or array_like, shape (...)
     ///     Commanded forward speed of the body [m/s].
     /// curvature : float or array_like, shape (...) or None
@@ -106,18 +104,12 @@ methods! { Suspension:
     ///     Arrays for wheel speeds, steering and contact angles, in this order, of the shapes of the result; what is
     ///     left out, or None, is fresh. Nothing is written by a call that fails.
     #[doc = parameters!(threads, level)]
-    ///
-    /// Returns
-    /// -------
-    /// Traction
+    #[doc = returns!("Traction")]
     ///     `wheel_speeds` [rad/s], `steering` [rad], `contact_angles` [rad], `lifted`, `vertical_speed` [m/s].
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If a wheel would steer past its limit.
-    /// ValueError
-    ///     If a number is not finite or a shape does not fit.
+    #[doc = raises!(
+        InfeasibleMotionError: "If a wheel would steer past its limit.",
+        ValueError: "If a number is not finite or a shape does not fit."
+    )]
     ///
     /// Source: O. Toupet et al., Terrain-adaptive wheel speed control on the Curiosity Mars rover, JFR 37(5), 2020.
     fn traction[&self, py: Python<'py>](speed, curvature: native Option<&Bound<'py, PyAny>>, angular_velocity, joints,

@@ -40,9 +40,7 @@ type Factor<'py> = (Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>, Bound<'
 /// Errors and derivatives are in the tangent space named `tangent`, the end's: ``delta exp(e)``, with e in axes of the
 /// body at the end. In the plane poses and `delta` are ``[x, y, yaw]`` and tangents ``[x, y, yaw]`` [m, m, rad]; in
 /// space they are homogeneous matrices (4, 4), tangents ``[x, y, z, about x, about y, about z]``, as in ROS messages.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// rover : Rover
 ///     Any vehicle.
 /// noise : Noise, optional
@@ -144,9 +142,7 @@ methods! { Preintegrated:
     }
 
     /// Takes in one sample, or all rows of a log. The first one is where the motion begins.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// steering : array_like, shape (steered wheels,) or (n, steered wheels), or WheelLog
     ///     As for `Odometry.update`; None for a rover that does not steer. A log stands for this and the next two.
     /// wheel_angles : array_like, shape (wheels,) or (n, wheels)
@@ -157,13 +153,10 @@ methods! { Preintegrated:
     ///     Of a gyroscope [rad/s]; NaN where there was none.
     /// attitude : array_like, shape (4,) or (n, 4), optional
     ///     Quaternion x, y, z, w of the body in any fixed frame; needed in space.
-    ///
-    /// Raises
-    /// ------
-    /// UnderdeterminedError
-    ///     If the wheels do not determine the motion.
-    /// ValueError
-    ///     If a value is not finite, a stamp not later than the last one or a shape wrong; nothing was taken in.
+    #[doc = raises!(
+        UnderdeterminedError: "If the wheels do not determine the motion.",
+        ValueError: "If a value is not finite, a stamp not later than the last one or a shape wrong; nothing was taken in."
+    )]
     fn add[&self, py: Python<'py>](steering, wheel_angles=None, stamp=None, *, yaw_rate=None, attitude=None)
     -> PyResult<()> {
         let (Some(wheel_angles), Some(stamp)) = (wheel_angles, stamp) else {
@@ -202,15 +195,10 @@ methods! { Preintegrated:
     }
 
     /// Difference between the motion of two poses and this one: ``log(delta⁻¹ pose_i⁻¹ pose_j)``.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// pose_i, pose_j : array_like, shape (3,) or (4, 4)
     ///     Poses of the body at the beginning and at the end of the motion.
-    ///
-    /// Returns
-    /// -------
-    /// error : ndarray, shape (3,) or (6,)
+    #[doc = returns!("error : ndarray, shape (3,) or (6,)")]
     ///     Zero where they agree; weigh it by the inverse of `covariance`.
     /// by_i, by_j : ndarray, shape (3, 3) or (6, 6)
     ///     Its derivatives by both poses, as they move by ``pose exp(e)``.
@@ -222,18 +210,13 @@ methods! { Preintegrated:
 
     /// `residual` of the motion after changes, with its derivatives by these as well: for an optimiser that looks for
     /// dimensions, slip or a bias along with poses.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// pose_i, pose_j : array_like, shape (3,) or (4, 4)
     ///     As in `residual`.
     /// changes : dict of str to array_like
     ///     As in `corrected`, from the dimensions, slip and bias that the motion was integrated with: arrays of shape
     ///     (wheels,), or one number for all.
-    ///
-    /// Returns
-    /// -------
-    /// error, by_i, by_j : ndarray
+    #[doc = returns!("error, by_i, by_j : ndarray")]
     ///     As in `residual`.
     /// by_changes : dict of str to ndarray
     ///     Derivatives by every change, arrays (3 or 6, wheels).
@@ -259,9 +242,7 @@ methods! { Preintegrated:
 
     /// This motion and the one that begins where it ends, as one. The reading between both errs in both: the
     /// covariance is that of all samples in one place.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// other : Preintegrated
     ///     Of the same rover, its first sample the last one here.
     fn merge[&self, py: Python<'py>](other: Bound<'py, Self>) -> PyResult<Self> {
@@ -299,9 +280,7 @@ impl Preintegrated {
     }
 
     /// Covariance of the motion in a tangent space by name.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// tangent : {'end', 'begin', 'coordinates'}
     ///     ``delta exp(e)``, in axes of the body at the end; ``exp(e) delta``, at the beginning; or ``delta + e``, the
     ///     coordinates of the end seen from the beginning, as `OdometryState.covariance`.
@@ -342,9 +321,7 @@ impl Preintegrated {
     }
 
     /// The motion after changes, to first order: no sample is looked at again.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// changes : dict of str to array_like
     ///     By names of `by_dimension` and `by_slip`, arrays of shape (wheels,), or one number for all; and
     ///     ``"gyroscope_bias"`` [rad/s].
@@ -357,9 +334,7 @@ impl Preintegrated {
     }
 
     /// The motions before and after an instant, which `merge` joins again.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// stamp : float
     ///     From `begin` to `end` [s]. Within a step the rover is on its arc.
     fn split(&self, py: Python<'_>, stamp: &Bound<'_, PyAny>) -> PyResult<(Self, Self)> {

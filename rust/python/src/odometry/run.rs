@@ -12,9 +12,7 @@ use crate::convert::{Array, Output, Rows, compute_rows, is_interrupted, memory};
 
 methods! { Odometry:
     /// Takes in a whole log, from where the last sample ended; the same numbers as `update`, row by row.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// steering : array_like, shape (n, steered wheels)
     ///     As in `update`; None for a rover that does not steer.
     /// wheel_angles : array_like, shape (n, wheels)
@@ -27,16 +25,10 @@ methods! { Odometry:
     ///     Leave out rows that cannot be, flagged in `health`, or raise on the first one.
     /// covariances, residuals : bool
     ///     True to compute these; those that are not computed are None.
-    ///
-    /// Returns
-    /// -------
-    /// Track
+    #[doc = returns!("Track")]
     ///     `poses`, `twists`, `covariances`, `residuals`, `weights` (of the robust method) and `health`, one row per
     ///     sample.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
+    #[doc = raises!(ValueError)]
     ///     If a shape does not fit; with ``errors="raise"`` as `update`, the row named.
     fn run[&self, py: Python<'py>](steering, wheel_angles, stamps, *, yaw=None, yaw_rate=None, errors: &str = "flag",
         covariances: bool = true, residuals: bool = true) -> PyResult<Bound<'py, PyAny>> {

@@ -26,9 +26,7 @@ use state::Odometry3State;
 /// motion is that of `Suspension.forward`, unsteered wheels sharing their side slip; every step is one screw of SE(3).
 /// On level ground, for a rover that stands level, all of this is `Odometry`. Any thread may call any method: it waits
 /// while another one is at work.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// suspension : Suspension
 ///     Any suspension: a `RockerBogie`, or another chain.
 /// noise : Noise, optional
@@ -130,9 +128,7 @@ methods! { Odometry3:
     }
 
     /// Takes in one sample.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// steering : array_like, shape (steered wheels,)
     ///     Steering angles [rad], or counts of their encoders; None for a rover that does not steer.
     /// wheel_angles : array_like, shape (wheels,)
@@ -148,16 +144,8 @@ methods! { Odometry3:
     ///     of its own, its changes count. Without ground every sample has one.
     /// yaw_rate : float, optional
     ///     Of a gyroscope about the body's z axis [rad/s], of which a step takes the mean of its two ends.
-    ///
-    /// Returns
-    /// -------
-    /// Odometry3State
-    ///     `pose`, `twist`, `covariance`, `residuals`, `slips` and more.
-    ///
-    /// Raises
-    /// ------
-    /// UnderdeterminedError
-    ///     If wheels, joints and attitude do not determine the motion.
+    #[doc = returns!("Odometry3State": "`pose`, `twist`, `covariance`, `residuals`, `slips` and more.")]
+    #[doc = raises!(UnderdeterminedError: "If wheels, joints and attitude do not determine the motion.")]
     /// ValueError
     ///     If a reading is missing or not finite, the attitude upside down, the stamp not later than the last one, the
     ///     rover off the ground, a limit exceeded or a shape wrong. The state is as before.
@@ -180,9 +168,7 @@ methods! { Odometry3:
     }
 
     /// Takes in a whole log, from where the last sample ended; the same numbers as `update`, row by row.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// steering : array_like, shape (n, steered wheels)
     ///     As in `update`; None for a rover that does not steer.
     /// wheel_angles : array_like, shape (n, wheels)
@@ -199,15 +185,8 @@ methods! { Odometry3:
     ///     Leave out rows that cannot be, flagged in `health`, or raise on the first one.
     /// covariances, slips : bool
     ///     True to compute these; those that are not computed are None.
-    ///
-    /// Returns
-    /// -------
-    /// Track3
-    ///     `poses`, `twists`, `covariances`, `slips` and `health`, one row per sample.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
+    #[doc = returns!("Track3": "`poses`, `twists`, `covariances`, `slips` and `health`, one row per sample.")]
+    #[doc = raises!(ValueError)]
     ///     If a shape does not fit; with ``errors="raise"`` as `update`, the row named.
     fn run[&self, py: Python<'py>](steering, wheel_angles, stamps, *, joints=None, attitude=None, yaw_rate=None,
         errors: &str = "flag", covariances: bool = true, slips: bool = true) -> PyResult<Bound<'py, PyAny>> {
@@ -255,9 +234,7 @@ methods! { Odometry3:
     ///
     /// Roll and pitch that an IMU measures stay as they were measured; on ground z, roll and pitch follow from where
     /// the corrected rover settles.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// pose : array_like, shape (6,), (4, 4) or (3,)
     ///     ``[x, y, z, roll, pitch, yaw]`` [m, rad], the matrix ``world_from_body``, or ``[x, y, yaw]`` with all else 0.
     /// stamp : float
@@ -275,9 +252,7 @@ methods! { Odometry3:
     }
 
     /// Starts over: the next sample is a first one.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// pose : array_like, shape (6,), (4, 4) or (3,)
     ///     As for `set_pose`, default the origin.
     /// covariance : array_like, shape (6,), (6, 6), (3,) or (3, 3), optional
@@ -292,9 +267,7 @@ methods! { Odometry3:
     }
 
     /// Goes on from this pose; the readings count on from the last sample.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// pose : array_like, shape (6,), (4, 4) or (3,)
     ///     As for `correct`. Roll and pitch that an IMU measures are those; on ground z, roll and pitch follow from it.
     /// covariance : array_like, shape (6,), (6, 6), (3,) or (3, 3), optional

@@ -222,9 +222,7 @@ getters! { OdometryState, self, py:
 
 methods! { OdometryState:
     /// `covariance` in the order of ROS messages: x, y, z, roll, pitch, yaw, shape (6, 6).
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// unmeasured : float, default 1e6
     ///     Variance of z [m²], roll and pitch [rad²], of which wheels on a plane say nothing.
     #[doc = raises!("If `unmeasured` is no number, or a negative one.")]
@@ -233,9 +231,7 @@ methods! { OdometryState:
     }
 
     /// `twist_covariance` in the order of ROS messages, shape (6, 6).
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// unmeasured : float, default 1e6
     ///     Variance of the rates along z [m²/s²], about x and about y [rad²/s²], and of all that nothing is known of.
     #[doc = raises!("If `unmeasured` is no number, or a negative one.")]

@@ -18,9 +18,7 @@ use crate::unit_warnings::warn_units;
 ///
 /// ``Noise()``, and with nothing but `yaw`, `yaw_rate` and `period`, is that of a typical rover, `Noise.typical`. Who gives
 /// any of the first four has measured; then slip that is not given is 0. ``Noise.from_logs(rover, logs)`` measures.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// speed : float, optional
 ///     Of every wheel's rim speed over one step [m/s], default 0.01.
 /// steering : float, optional
@@ -116,15 +114,10 @@ methods! { Noise:
     /// It is that of the laboratory tricycle of the OptiOdom recordings, with dimensions from a tape: the ends of its nine
     /// runs lie as far off as it says. Of the two robots with rollers beside it, too, it is right within a factor of 2.4 in
     /// variance; those of the two-wheeled one end six times nearer than it says.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// yaw, yaw_rate, period : float, optional
     ///     Deviations of a measured yaw [rad] and yaw rate [rad/s], and the interval of samples [s], as of the class.
-    ///
-    /// Returns
-    /// -------
-    /// Noise
+    #[doc = returns!("Noise")]
     #[doc = raises!("If a number is negative or not finite, or the period not positive.")]
     #[staticmethod]
     fn typical[](*, yaw: Option<f64> = None, yaw_rate: Option<f64> = None, period: Option<f64> = None, **)
@@ -135,19 +128,14 @@ methods! { Noise:
     }
 
     /// Noise that was measured: by what dead reckoning of logs with a truth ends beside it, the rover taken as it is.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// rover : Rover
     ///     With the dimensions that odometry will have.
     /// logs : WheelLog, or anything that `calibrate` takes
     ///     One drive or several, with their truth.
     /// truth : optional
     ///     As of `calibrate`.
-    ///
-    /// Returns
-    /// -------
-    /// Noise
+    #[doc = returns!("Noise")]
     ///     `slip` and `side_slip`, by maximum likelihood; `speed` and `steering` are 0, for slip holds all that ends err by.
     #[doc = raises!("If the logs have no truth, or their ends tell nothing.")]
     #[staticmethod]
@@ -158,9 +146,7 @@ methods! { Noise:
 }
 
 /// An encoder: its ticks per turn, the gear before it, and where its counter starts over.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// ticks_per_turn : float, optional
 ///     Ticks per turn of the shaft it sits on. Without it the reading is in radians (or radians per second).
 /// gear_ratio : float, default 1.0
@@ -214,9 +200,7 @@ methods! { Encoder:
 }
 
 /// Error model of a gyroscope about the vertical axis of the body.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// noise : float, default 0.005
 ///     Standard deviation of a reading [rad/s].
 /// bias : float, default 0.0

@@ -12,9 +12,7 @@ use crate::convert::{OrRaise, not_rectangular, pair, pair_or_one, refuse_shape, 
 ///
 /// The cost of cell ``[row, column]`` is that at ``origin + R(yaw) (column dx, row dy)``: x grows with the columns, y with
 /// the rows. In between it is linear along each axis of the grid.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// values : array_like, shape (rows, columns)
 ///     Costs, kept in single precision.
 /// spacing : float or array_like, shape (2,)
@@ -96,9 +94,7 @@ methods! { Costmap:
 
     #[staticmethod]
     /// Costs of an occupancy grid, as nav2 and ROS have it.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// msg : nav_msgs/OccupancyGrid, or any object with ``info`` and ``data``
     ///     Occupancy in percent, -1 where nothing is known, row after row from the origin of the map.
     /// inflation : float, default 0.0
@@ -107,11 +103,7 @@ methods! { Costmap:
     ///     Cost of a cell of which nothing is known, 0 to 1; from `lethal` on it is an obstacle.
     /// lethal : float, default 0.65
     ///     Cost from which on a place is forbidden: occupancy of 65 %, as nav2 has it.
-    ///
-    /// Returns
-    /// -------
-    /// Costmap
-    ///     Costs from 0 to 1, in the frame of the message.
+    #[doc = returns!("Costmap": "Costs from 0 to 1, in the frame of the message.")]
     #[doc = raises!("If its size is not that of the data, its plane is tilted, or an argument makes no sense.")]
     fn from_occupancy_grid[py: Python<'py>](msg, *, inflation=None, unknown=None, lethal=None, **)
     as "(msg, *, inflation=0.0, unknown=0.5, lethal=0.65)" -> PyResult<Bound<'py, PyAny>> {
@@ -120,27 +112,15 @@ methods! { Costmap:
 
     #[staticmethod]
     /// Costs of a map as nav2 saves it: a YAML file beside its image.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// path : str or PathLike
     ///     The YAML file, with ``image``, ``resolution``, ``origin``, ``negate``, ``occupied_thresh`` and ``free_thresh``;
     ///     its image is a PGM, or whatever Pillow reads where it is installed.
     /// inflation, unknown, lethal : float, optional
     ///     Distance from an obstacle over which the cost falls [m], cost of an unknown cell, cost from which on a place is
     ///     forbidden (both 0 to 1), as for `from_occupancy_grid`; `lethal` by default the ``occupied_thresh`` of the file.
-    ///
-    /// Returns
-    /// -------
-    /// Costmap
-    ///     Costs from 0 to 1.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If the file is no such map.
-    /// OSError
-    ///     If a file cannot be read.
+    #[doc = returns!("Costmap": "Costs from 0 to 1.")]
+    #[doc = raises!(ValueError: "If the file is no such map.", OSError: "If a file cannot be read.")]
     fn read[py: Python<'py>](path, *, inflation=None, unknown=None, lethal=None, **)
     as "(path, *, inflation=0.0, unknown=0.5, lethal=None)" -> PyResult<Bound<'py, PyAny>> {
         made_by(py, "read_costmap", path, [inflation, unknown, lethal])

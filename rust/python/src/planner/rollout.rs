@@ -21,9 +21,7 @@ methods! { Rover:
     /// One pass over the controls, which need not be possible for this rover: where a wheel cannot steer to where
     /// it should, it takes the nearest angle it can, and `max_side_slip` says by how much that misses. Every step's angles
     /// are those of `inverse` with the angles of the step before as `previous`.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// controls : array_like, shape (..., k, t, 3)
     ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]: k rollouts of t steps.
     /// dt : float or array_like, shape (t,)
@@ -37,18 +35,12 @@ methods! { Rover:
     #[doc = parameters!(dtype, threads)]
     /// level : str, optional
     ///     One of `simd_levels()`, default the best: they agree to 5 ulp or 1e-14.
-    ///
-    /// Returns
-    /// -------
-    /// RolloutCost
+    #[doc = returns!("RolloutCost")]
     ///     A named tuple: ``poses`` (..., k, t + 1, 3) [m, m, rad], the first of every rollout its start, and the
     ///     largest of each rollout, shape (..., k): ``max_wheel_speed`` either way round [rad/s], ``max_steering_angle`` to
     ///     either side [rad], ``max_steering_rate`` from step to step, over the duration of the later one [rad/s], and
     ///     ``max_side_slip``, at which a wheel slides sideways [m/s].
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
+    #[doc = raises!(ValueError)]
     ///     If a value is not finite, a duration is not positive or a shape does not fit; nothing is written.
     ///
     /// Source: G. Williams et al., Information-theoretic model predictive control, IEEE T-RO 34(6), 2018.

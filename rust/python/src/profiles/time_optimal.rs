@@ -70,10 +70,7 @@ methods! { Profile:
     /// The fastest course within limits of velocity, acceleration and jerk, from any motion to any other.
     ///
     /// Every argument but the last two is one number or one per axis.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(ends)]
+    #[doc = section!(Parameters: ends)]
     /// velocity, acceleration, jerk : float or array_like, shape (axes,)
     ///     Largest magnitudes, per [s], [s^2] and [s^3]; infinite, the default of the last two, where there
     ///     is no limit. A start beyond them is first brought within, as fast as they allow.
@@ -87,10 +84,7 @@ methods! { Profile:
     /// synchronise : {'time', 'phase', 'none'}
     ///     Synchronization: all axes arrive together, also stay in proportion to each other (where the moving ends
     ///     allow it), or take their own least time each; with a duration, all take that.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
+    #[doc = raises!(ValueError)]
     ///     If a value is not finite, a limit not of its sign, an end outside the limits, or the duration
     ///     shorter than the least one, which is named.
     ///

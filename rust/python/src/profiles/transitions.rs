@@ -46,9 +46,7 @@ macro_rules! transition {
 
         methods! { $class:
             $(#[$at])*
-            ///
-            /// Parameters
-            /// ----------
+            #[doc = section!(Parameters)]
             /// times : float or array_like, shape (...)
             ///     [s]; before the start and after the end it holds what is there.
             fn at[&$this, py: Python<'py>](times) -> PyResult<Bound<'py, PyAny>> {
@@ -99,9 +97,7 @@ methods! { BodyTransition:
     /// The wheels follow through the wheel equation, so they agree with each other at every instant; how
     /// fast they have to steer comes out, and nothing limits it. A wheel that would have to leave its range
     /// stands at its end meanwhile, and scrubs.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// rover : Rover
     /// start_twist, end_twist : array_like, shape (3,)
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
@@ -117,13 +113,10 @@ methods! { BodyTransition:
     ///     Synchronization: vx, vy and omega arrive together, also in proportion, or each when it can.
     /// previous : array_like, shape (steered wheels,), optional
     ///     Steering angles before it [rad]; default 0.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If the rover cannot make one of the twists.
-    /// ValueError
-    ///     If a value is not as said, or a steered wheel has trail: its angle would depend on its rate.
+    #[doc = raises!(
+        InfeasibleMotionError: "If the rover cannot make one of the twists.",
+        ValueError: "If a value is not as said, or a steered wheel has trail: its angle would depend on its rate."
+    )]
     #[staticmethod]
     fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist: [f64; 3], end_twist: [f64; 3],
         duration: Option<f64> = None, *, shape: Option<&str> = None, acceleration: Option<f64> = None,
@@ -178,9 +171,7 @@ methods! { ModuleTransition:
     /// From one state of the modules to another, each by its own profile: for alignment at rest.
     ///
     /// While the rover moves, wheels that do not know of each other scrub: `at` says how much.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// rover : Rover
     /// start, end : (array_like, array_like)
     ///     Steering angles, shape (steered wheels,) [rad], and wheel speeds, shape (wheels,) [rad/s]: what
@@ -256,9 +247,7 @@ methods! { IcrTransition:
     /// If the wheels cannot follow that path without leaving their range, a rover without unsteered
     /// wheels goes round what is in the way; otherwise the rover stops, turns its wheels at rest and drives
     /// on, and `phases` says why.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// rover : Rover
     /// start_twist, end_twist : array_like, shape (3,)
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
@@ -274,13 +263,10 @@ methods! { IcrTransition:
     /// previous : array_like, shape (steered wheels,), optional
     ///     Steering angles at the start [rad]; default those next to 0. They decide which way round wheels
     ///     stand, and are held by wheels whose pivots rest.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If the rover cannot make one of the twists, or not within the wheel speed.
-    /// ValueError
-    ///     If a value is not as said, or a steered wheel has trail: its angle would depend on its rate.
+    #[doc = raises!(
+        InfeasibleMotionError: "If the rover cannot make one of the twists, or not within the wheel speed.",
+        ValueError: "If a value is not as said, or a steered wheel has trail: its angle would depend on its rate."
+    )]
     #[staticmethod]
     fn between[py: Python<'py>](rover: Bound<'py, Rover>, start_twist: [f64; 3], end_twist: [f64; 3], *,
         steering_rate: f64, steering_acceleration: Option<f64> = None, steering_jerk: Option<f64> = None,

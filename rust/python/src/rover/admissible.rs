@@ -12,14 +12,8 @@ use crate::workers::workers;
 
 methods! { Rover:
     /// True if the rover can make the twist: no side slip, every wheel inside its steering range.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(twist "(..., 3)", threads)]
-    ///
-    /// Returns
-    /// -------
-    /// bool or ndarray of bool, shape (...)
+    #[doc = section!(Parameters: twist "(..., 3)", threads)]
+    #[doc = returns!("bool or ndarray of bool, shape (...)")]
     ///     Side slip up to 1e-9 of the fastest wheel's speed counts as rounding.
     #[doc = raises!("If a value is not finite.")]
     fn admissible[&self, py: Python<'py>](twist, *more, threads: Option<i64> = None)
@@ -34,28 +28,18 @@ methods! { Rover:
     }
 
     /// The nearest twist the rover can make; one it can make already is returned unchanged.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(twist "(..., 3)")]
+    #[doc = section!(Parameters: twist "(..., 3)")]
     /// keep : {'curvature', 'speed', 'yaw_rate', 'nearest'}
     ///     Preserved quantity. ``'curvature'``: `vx` and `omega`, and with them the turning radius; if that turn
     ///     is too tight, the nearest possible twist, scaled so that neither grows (a spin the rover cannot
     ///     make becomes rest). ``'speed'``: `vx`. ``'yaw_rate'``: `omega`. ``'nearest'``: as much as possible,
     ///     by the root mean square change of the wheel pivots' velocities.
     #[doc = parameters!(out "(..., 3)", dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, shape (..., 3)
-    ///     An admissible twist.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If no admissible twist keeps what was asked for.
-    /// ValueError
-    ///     If a value is not finite.
+    #[doc = returns!("ndarray, shape (..., 3)": "An admissible twist.")]
+    #[doc = raises!(
+        InfeasibleMotionError: "If no admissible twist keeps what was asked for.",
+        ValueError: "If a value is not finite."
+    )]
     fn project[&self, py: Python<'py>](twist, keep=None, *more, out=None, dtype=None, threads: Option<i64> = None)
     as "($self, twist, keep='curvature', *, out=None, dtype=None, threads=None)" -> PyResult<AnyArray<'py>> {
         one_twist("Rover.project((vx, vy, omega))", 2, more)?;
@@ -70,14 +54,8 @@ methods! { Rover:
     }
 
     /// Instantaneous centre of rotation of a twist: the point of the body that stands still.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(twist "(..., 3)", out "(..., 2)", dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, shape (..., 2)
+    #[doc = section!(Parameters: twist "(..., 3)", out "(..., 2)", dtype, threads)]
+    #[doc = returns!("ndarray, shape (..., 2)")]
     ///     ``[x, y]`` in body axes [m]. Straight ahead it is at infinity, ``[0, inf]`` forwards and
     ///     ``[0, -inf]`` backwards; at rest there is none, ``[nan, nan]``.
     #[doc = raises!("If a value is not finite.")]

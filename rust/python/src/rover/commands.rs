@@ -34,23 +34,14 @@ impl Rover {
 
 methods! { Rover:
     /// Joint commands by joint name, as motor drivers take them.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(twist "(..., 3)")]
+    #[doc = section!(Parameters: twist "(..., 3)")]
     /// previous : array_like, shape (..., steered wheels), optional
     ///     Present steering angles [rad], in the order of `steered_wheel_names`.
     #[doc = parameters!(dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// dict of str to float or ndarray
+    #[doc = returns!("dict of str to float or ndarray")]
     ///     Steering joints [rad], then traction joints [rad/s], in the order of `joint_names`: for a rover
     ///     from a parameter file, the order of the file.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError, ValueError
+    #[doc = raises!(InfeasibleMotionError, ValueError)]
     ///     As `inverse`.
     fn commands[&self, py: Python<'py>](twist, *more, previous=None, dtype=None, threads: Option<i64> = None)
     as "($self, twist, *, previous=None, dtype=None, threads=None)" -> PyResult<Bound<'py, PyDict>> {
@@ -61,16 +52,11 @@ methods! { Rover:
     }
 
     /// Values of joints as the arrays of steering and wheels: the inverse of `commands`.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// joints : mapping of str to array_like
     ///     Value of each joint by its name, as a message of joint states has them; others are passed over.
     ///     Angles or speeds [rad, rad/s], of one moment or each of the same shape.
-    ///
-    /// Returns
-    /// -------
-    /// (ndarray, ndarray), shapes (..., steered wheels) and (..., wheels)
+    #[doc = returns!("(ndarray, ndarray), shapes (..., steered wheels) and (..., wheels)")]
     ///     In the order of `steered_wheel_names` and `wheel_names`, with the wheels' signs: what `forward`,
     ///     `Odometry.update` and `Controller.step` take. NaN for a wheel that no joint drives.
     #[doc = raises!("If a joint is missing; the message names it.")]
@@ -106,18 +92,12 @@ methods! { Rover:
     }
 
     /// Wheel speeds slowed down by one factor, so that the fastest wheel is within its limit and the path stays.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// wheel_speeds : array_like
     ///     Wheel speeds [rad/s], the wheels in the last axis; each row has its own factor.
     /// max_wheel_speed : float or array_like, shape (wheels,)
     ///     Largest speed of all wheels, or of each [rad/s].
-    ///
-    /// Returns
-    /// -------
-    /// ndarray
-    ///     Speeds of the same shape; those that are within the limits are as they were.
+    #[doc = returns!("ndarray": "Speeds of the same shape; those that are within the limits are as they were.")]
     #[doc = raises!("If a number is not finite, a limit is not positive, or a shape does not fit.")]
     fn desaturate[slf: &Bound<'py, Self>](wheel_speeds, max_wheel_speed) -> PyResult<Bound<'py, PyAny>> {
         let module = slf.py().import("six_wheel.kinematics.objects.desaturation")?;

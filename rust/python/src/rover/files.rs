@@ -6,15 +6,10 @@ use super::Rover;
 
 methods! { Rover:
     /// The text of a URDF from which `load` makes this rover again, and which viewers open.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// name : str
     ///     Of the robot.
-    ///
-    /// Returns
-    /// -------
-    /// str
+    #[doc = returns!("str")]
     ///     With a link and a joint for every wheel and its steering, under the names of the joints, and
     ///     rockers and bogies where there is a suspension. The base frame lies on the ground, a suspension's
     ///     where it has its own.
@@ -25,9 +20,7 @@ methods! { Rover:
     }
 
     /// Writes a file from which `load` makes an equal rover: a parameter file, or a robot description.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// path : path
     ///     Ends in .yaml, .yml or .urdf. A file that is there is replaced.
     /// **others

@@ -65,10 +65,7 @@ impl Rover {
 
 methods! { Rover:
     /// The twist with residual and weight of every wheel: the slip, and the cheapest fault detector.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(wheel_readings)]
+    #[doc = section!(Parameters: wheel_readings)]
     /// method : {'least_squares', 'middle_wheels', 'robust'}
     ///     All wheels alike; the unsteered wheels alone; or re-weighted so that a wheel that disagrees with
     ///     the others loses its say (Geman-McClure weights, graduated).
@@ -76,18 +73,11 @@ methods! { Rover:
     /// allow_underdetermined : bool
     ///     Take a motion that no wheel sees to be zero instead of raising.
     #[doc = parameters!(threads)]
-    ///
-    /// Returns
-    /// -------
-    /// TwistFit
-    ///     `twist`, `residuals` [m/s], `rank`, `sigma_min`, `weights`, `worst_wheel`.
-    ///
-    /// Raises
-    /// ------
-    /// UnderdeterminedError
-    ///     If the wheels that count do not determine the twist.
-    /// ValueError
-    ///     If a value is not finite, a shape does not fit or the method is unknown.
+    #[doc = returns!("TwistFit": "`twist`, `residuals` [m/s], `rank`, `sigma_min`, `weights`, `worst_wheel`.")]
+    #[doc = raises!(
+        UnderdeterminedError: "If the wheels that count do not determine the twist.",
+        ValueError: "If a value is not finite, a shape does not fit or the method is unknown."
+    )]
     fn fit[slf: &Bound<'py, Self>, py: Python<'py>](steering, wheel_speeds, *, method: &str = "least_squares",
         steering_rates=None, allow_underdetermined: bool = false, threads: Option<i64> = None) -> PyResult<TwistFit> {
         let workers = workers(threads, None)?;

@@ -120,9 +120,7 @@ methods! { Rover:
     /// Exact at every turning radius: straight, on the spot, with the centre of rotation between the wheels
     /// or under one of them. Of the equivalent angles of a wheel, half a turn apart, the one nearest to
     /// `previous` is taken; a wheel whose pivot rests holds `previous`.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// twist : array_like, shape (..., 3)
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]. Three floats in a tuple or list are fastest.
     /// previous : array_like, shape (..., steered wheels), optional
@@ -139,17 +137,11 @@ methods! { Rover:
     #[doc = parameters!(dtype, threads)]
     /// level : str, optional
     ///     One of `simd_levels()`, default the best: they agree to 5 ulp or 1e-14.
-    ///
-    /// Returns
-    /// -------
-    /// steering : ndarray, shape (..., steered wheels)
+    #[doc = returns!("steering : ndarray, shape (..., steered wheels)")]
     ///     Steering angles [rad].
     /// wheel_speeds : ndarray, shape (..., wheels)
     ///     Wheel speeds [rad/s].
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
+    #[doc = raises!(InfeasibleMotionError)]
     ///     If a wheel would slide sideways or steer past its range; the first bad row is named and nothing
     ///     is written. `project` finds a twist the rover can make.
     /// ValueError
@@ -197,28 +189,18 @@ methods! { Rover:
     }
 
     /// The twist that angles and speeds of all wheels report, by least squares.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(wheel_readings, steering_rates)]
+    #[doc = section!(Parameters: wheel_readings, steering_rates)]
     /// allow_underdetermined : bool
     ///     Take a motion that no wheel sees to be zero instead of raising.
     #[doc = parameters!(out "(..., 3)", dtype, threads)]
     /// level : str, optional
     ///     One of `simd_levels()`, default the best: they agree to 5 ulp or 1e-14, times the condition number of the
     ///     wheels' rows: the largest singular value over `TwistFit.sigma_min`.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, shape (..., 3)
-    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-    ///
-    /// Raises
-    /// ------
-    /// UnderdeterminedError
-    ///     If the wheels do not determine the twist.
-    /// ValueError
-    ///     If a value is not finite or a shape does not fit.
+    #[doc = returns!("ndarray, shape (..., 3)": "``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].")]
+    #[doc = raises!(
+        UnderdeterminedError: "If the wheels do not determine the twist.",
+        ValueError: "If a value is not finite or a shape does not fit."
+    )]
     fn forward[&self, py: Python<'py>](steering, wheel_speeds, *, steering_rates=None, allow_underdetermined: bool = false,
         out=None, dtype=None, threads: Option<i64> = None, level: Option<&str> = None) -> PyResult<AnyArray<'py>> {
         let readings = self.read_log(steering, wheel_speeds, steering_rates)?;

@@ -43,9 +43,7 @@ methods! { Rover:
     ///
     /// Wheels: front_left, front_right, middle_left, middle_right, rear_left, rear_right; origin between the
     /// middle wheels.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// front_to_middle, middle_to_rear : float
     ///     Front axle to middle axle, and middle axle to rear axle [m].
     /// track_width : float
@@ -70,9 +68,7 @@ methods! { Rover:
     }
 
     /// A vehicle whose wheels are all steered.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// positions : array_like, shape (n, 2)
     ///     Pivots ``[x, y]`` of the modules, n from 2 to 64 [m].
     #[doc = parameters!(wheel_radius)]
@@ -99,9 +95,7 @@ methods! { Rover:
     ///
     /// Several axles turn about their mean; on the ground they skid, and `icr_left` and `icr_right`, measured,
     /// say where each side really turns.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// track_width : float
     ///     Left to right wheel [m].
     /// wheel_radius : float or (float, float)
@@ -149,9 +143,7 @@ methods! { Rover:
     }
 
     /// Tracked drive: a left and a right track, each a wheel with the radius of its sprocket.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// track_width : float
     ///     Left to right track, middle to middle [m].
     /// wheel_radius : float or (float, float)
@@ -180,9 +172,7 @@ methods! { Rover:
     }
 
     /// A published rover by name; `Rover.presets` lists them.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// name : str
     ///     One of `Rover.presets()`.
     /// steering_limit : float or (float, float), optional
@@ -195,11 +185,7 @@ methods! { Rover:
     }
 
     /// Names of the published rovers, each with the source of its dimensions.
-    ///
-    /// Returns
-    /// -------
-    /// dict of str to str
-    ///     Name to source; iterates over the names.
+    #[doc = returns!("dict of str to str": "Name to source; iterates over the names.")]
     #[staticmethod]
     fn presets[py: Python<'py>]() -> PyResult<Bound<'py, PyDict>> {
         presets::PRESETS.iter().map(|preset| (preset.name, preset.source)).into_py_dict(py)

@@ -70,15 +70,10 @@ methods! { Rover:
     ///
     /// Unsteered wheels on several axles count with their mean axle; wheels with rollers and castors constrain
     /// nothing. Angles that are concurrent to 1e-6 m of side slip per metre count as concurrent.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// steering : array_like, shape (steered wheels,), optional
     ///     Steering angles [rad]; default angles that agree on a turn.
-    ///
-    /// Returns
-    /// -------
-    /// Mobility
+    #[doc = returns!("Mobility")]
     ///     `degree_of_mobility`, `degree_of_steerability`, `degree_of_manoeuvrability`, `rank`,
     ///     `singular_values`, `motion`, `margin`.
     #[doc = raises!("If an angle is not finite or the shape does not fit.")]

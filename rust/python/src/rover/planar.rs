@@ -8,15 +8,10 @@ use crate::suspension::{RockerBogie, rocker_and_bogies};
 
 methods! { RockerBogie:
     /// The rover seen from above: its wheels where the suspension puts their centres.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// joints : array_like, shape (3,)
     ///     Angles of the left rocker (the right one has the opposite one), the left and the right bogie [rad]; default 0.
-    ///
-    /// Returns
-    /// -------
-    /// Rover
+    #[doc = returns!("Rover")]
     ///     With the origin of R; wheels front_left, front_right, middle_left, middle_right, rear_left, rear_right.
     #[doc = raises!("If an angle is not finite or a shape does not fit.")]
     fn planar[&self, py: Python<'py>](joints=None) as "($self, joints=(0.0, 0.0, 0.0))" -> PyResult<Rover> {

@@ -117,25 +117,16 @@ methods! { Rover:
     ///
     /// Analytic derivatives of the least-squares solution. Unsteered wheels with parallel axles share the mean of
     /// their side-slip rows: by `heading`, a wheel moves that mean by its part.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(wheel_readings, steering_rates)]
+    #[doc = section!(Parameters: wheel_readings, steering_rates)]
     /// quantities : sequence of str, optional
     ///     Names of the attributes to compute, default all of them.
     #[doc = parameters!(threads)]
-    ///
-    /// Returns
-    /// -------
-    /// TwistJacobian
+    #[doc = returns!("TwistJacobian")]
     ///     `twist` (..., 3) and one array (..., 3, wheels or steered wheels) per quantity.
-    ///
-    /// Raises
-    /// ------
-    /// UnderdeterminedError
-    ///     If the wheels do not determine the twist.
-    /// ValueError
-    ///     If a value is not finite, a shape does not fit or a quantity is unknown.
+    #[doc = raises!(
+        UnderdeterminedError: "If the wheels do not determine the twist.",
+        ValueError: "If a value is not finite, a shape does not fit or a quantity is unknown."
+    )]
     fn sensitivity[&self, py: Python<'py>](steering, wheel_speeds, *, steering_rates=None, quantities=None,
         threads: Option<i64> = None) -> PyResult<Sensitivity> {
         let workers = workers(threads, None)?;

@@ -37,9 +37,7 @@ methods! { Suspension:
     /// hundredth in the centre of every wheel, which turns a bogie that carries nothing. The same rule says which
     /// three of four wheels on a rigid body touch. Wheels may also touch where friction would have to hold a
     /// bogie from tipping over: this is geometry.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// ground : Terrain
     ///     The ground.
     #[doc = parameters!(poses)]
@@ -53,11 +51,7 @@ methods! { Suspension:
     #[doc = parameters!(threads)]
     /// level : str, optional
     ///     One of `simd_levels()`; default the best. Results differ by rounding.
-    ///
-    /// Returns
-    /// -------
-    /// SettledPose
-    ///     With a status for every pose; numbers are NaN where it does not stand.
+    #[doc = returns!("SettledPose": "With a status for every pose; numbers are NaN where it does not stand.")]
     #[doc = raises!("If a number is not finite or a shape does not fit.")]
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4),

@@ -142,9 +142,7 @@ fn allowed(py: Python<'_>, limits: Option<&Bound<'_, PyAny>>) -> PyResult<Allowe
 
 methods! { RockerBogie:
     /// Tests if the rover may stand at poses: by `bounds` where they decide, by `settle` where they do not.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// ground : Terrain
     ///     The map.
     #[doc = parameters!(poses)]
@@ -159,11 +157,7 @@ methods! { RockerBogie:
     ///     Arrays for margin, tilt and clearance, in this order, each of shape (...); what is left out, or None, is
     ///     fresh. Nothing is written by a call that fails.
     #[doc = parameters!(threads)]
-    ///
-    /// Returns
-    /// -------
-    /// Feasibility
-    ///     `ok`, `reason`, `margin`, `tilt`, `clearance`, `exact`, each of shape (...).
+    #[doc = returns!("Feasibility": "`ok`, `reason`, `margin`, `tilt`, `clearance`, `exact`, each of shape (...).")]
     #[doc = raises!("If a number is not finite, a limit not positive or a shape does not fit.")]
     fn feasible[slf: &Bound<'py, Self>, py: Python<'py>](ground: Bound<'py, Terrain>, poses, limits=None, *,
         map_error: f64 = 0.0, belly: Option<(f64, f64, f64, f64)> = None, out=None, threads: Option<i64> = None)
@@ -241,9 +235,7 @@ methods! { Suspension:
     ///
     /// Loads push straight up where wheels touch, wheels held by their links; all mass is in the body. They keep
     /// the body and every free joint in balance; a joint at its stop takes any moment.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// stand : SettledPose
     ///     From `settle` of this suspension.
     /// mass : float
@@ -259,10 +251,7 @@ methods! { Suspension:
     ///     Arrays for loads, tip-over angle, clearance, joint margins and tilt, in this order, of the shapes of the
     ///     result; what is left out, or None, is fresh. Nothing is written by a call that fails.
     #[doc = parameters!(threads)]
-    ///
-    /// Returns
-    /// -------
-    /// Stability
+    #[doc = returns!("Stability")]
     ///     `loads` (..., wheels), `tip_over_angle` (...), `clearance` (...), `joint_margins` (..., joints),
     ///     `tilt` (...); NaN where the rover does not stand, or where forces are not determined. Of a stand with
     ///     `derivatives`, those of the margins: `by_pose`, `by_dimension`.

@@ -94,9 +94,7 @@ methods! { Suspension:
     /// down; the one behind lies across, carries the rear wheels and turns about +x, positive with its right side
     /// down. Free angles beta_1 (left), beta_2 (right), beta_3 (rear). Vectors ``(x, y, z)`` [m] are those of
     /// the left-hand side with all joints at 0, in the axes of the rover.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// bogie_pivot, bogie_to_front, bogie_to_middle : (float, float, float)
     ///     From the rover's origin to the axis of the left bogie, and from there to the centres of its wheels [m].
     /// rear_pivot, rear_to_wheel : (float, float, float)
@@ -107,10 +105,7 @@ methods! { Suspension:
     #[doc = parameters!(steering_limit)]
     /// bogie_limit : float or (float, float), optional
     ///     Stops of each bogie [rad]; default none.
-    ///
-    /// Returns
-    /// -------
-    /// Suspension
+    #[doc = returns!("Suspension")]
     #[doc = raises!("If a number is not finite, or the radius or a limit makes no sense.")]
     #[staticmethod]
     fn triple_bogie[py: Python<'py>](*, bogie_pivot: [f64; 3], bogie_to_front: [f64; 3], bogie_to_middle: [f64; 3],
@@ -141,9 +136,7 @@ methods! { Suspension:
     ///
     /// The steering angles are those of the axles, front and rear. The free angle gamma is that of the rear axle about
     /// +x, positive with its right side down. The origin is midway between the pivots.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// wheelbase, track_width : float
     ///     Front to rear axle, left to right wheel [m].
     /// drop : float
@@ -151,10 +144,7 @@ methods! { Suspension:
     #[doc = parameters!(wheel_radius, steering_limit)]
     /// roll_limit : float or (float, float), optional
     ///     Stops of the rear axle's roll [rad]; default none.
-    ///
-    /// Returns
-    /// -------
-    /// Suspension
+    #[doc = returns!("Suspension")]
     #[doc = raises!("If a length is not positive or a limit makes no sense.")]
     #[staticmethod]
     pub fn pivoting_axles[py: Python<'py>](*, wheelbase: f64, track_width: f64, drop: f64, wheel_radius: f64,
@@ -167,9 +157,7 @@ methods! { Suspension:
     }
 
     /// Three to six wheels on the body itself, of which three touch at a time.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// centres : array_like, shape (wheels, 3)
     ///     Wheel centres in the body, front to rear, left before right [m].
     #[doc = parameters!(wheel_radius)]
@@ -178,10 +166,7 @@ methods! { Suspension:
     /// steered : sequence of int
     ///     Indices of the wheels that steer, about the upright axis through their centre.
     #[doc = parameters!(steering_limit)]
-    ///
-    /// Returns
-    /// -------
-    /// Suspension
+    #[doc = returns!("Suspension")]
     #[doc = raises!("If there are too few or too many wheels, or a number makes no sense.")]
     #[staticmethod]
     fn rigid[py: Python<'py>](centres, wheel_radius: f64, *, names: Option<Vec<String>> = None,

@@ -134,9 +134,7 @@ methods! { RockerBogie:
     /// Per wheel the lowest and highest ground in a box that covers it, and closed-form kinematics of the extremes:
     /// a fraction of the time of `settle`, and a statement about every place and yaw within margins. The rover
     /// without steering, its joints away from their stops, is inside wherever `status` is ``bounded``.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// ground : Terrain
     ///     The map. At the first call it makes a pyramid of its extremes: 48 bytes per cell.
     #[doc = parameters!(poses)]
@@ -159,10 +157,7 @@ methods! { RockerBogie:
     #[doc = parameters!(threads)]
     /// level : str, optional
     ///     Instructions; the result is the same with any, to the bit.
-    ///
-    /// Returns
-    /// -------
-    /// PoseBounds
+    #[doc = returns!("PoseBounds")]
     ///     `z`, `roll`, `pitch`, `tilt`, `clearance`, `rocker`, `wheel_drop` (..., 2), `bogies` (..., 2, 2),
     ///     `status` (...).
     #[doc = raises!("If a number is not finite, a margin negative or a shape does not fit.")]

@@ -64,14 +64,8 @@ methods! { RockerBogie:
     /// D is the differential, B1 and B2 the bogies, S1 to S6 the mounts of the wheels and A1 to A6 their
     /// axles, with the origin in the wheel's centre, x where the wheel rolls and y along its axle. Odd is left,
     /// even right; 1 and 2 are in front, 3 and 4 in the middle, 5 and 6 behind.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(rocker_joints, steering, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// dict of str to ndarray, shape (..., 4, 4)
+    #[doc = section!(Parameters: rocker_joints, steering, threads)]
+    #[doc = returns!("dict of str to ndarray, shape (..., 4, 4)")]
     ///     Name to the transform that takes coordinates of the frame to those of R.
     #[doc = raises!("If an angle is not finite or a shape does not fit.")]
     ///
@@ -85,14 +79,8 @@ methods! { RockerBogie:
     }
 
     /// Derivatives of the wheel centres by the joint angles.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(rocker_joints, steering, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// dict of str to ndarray, shape (..., 3, joints)
+    #[doc = section!(Parameters: rocker_joints, steering, threads)]
+    #[doc = returns!("dict of str to ndarray, shape (..., 3, joints)")]
     ///     A1 to A6 to the derivative of the wheel's centre in R [m/rad] by each of `joint_names`. Steering turns a
     ///     wheel about its centre: these columns are 0.
     #[doc = raises!("If an angle is not finite or a shape does not fit.")]

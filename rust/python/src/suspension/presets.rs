@@ -17,9 +17,7 @@ methods! { Suspension:
     /// A published suspension by name; `Suspension.presets` lists them. A rocker-bogie is a `RockerBogie`.
     ///
     /// Zoe has four wheels on two passively steered axles, of which the rear one rolls; no limits are published.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// name : str
     ///     One of `Suspension.presets()`.
     #[doc = raises!("If there is no such preset.")]
@@ -41,11 +39,7 @@ methods! { Suspension:
     }
 
     /// Names of the published suspensions, each with the source of its dimensions.
-    ///
-    /// Returns
-    /// -------
-    /// dict of str to str
-    ///     Name to source; iterates over the names.
+    #[doc = returns!("dict of str to str": "Name to source; iterates over the names.")]
     #[staticmethod]
     fn presets[py: Python<'py>]() -> PyResult<Bound<'py, PyDict>> {
         let all = PRESETS.iter().map(|preset| (preset.name, preset.source));
@@ -59,9 +53,7 @@ methods! { RockerBogie:
     /// Frame R lies on the ground under the middle of the middle wheels, with all joints at 0; that of Rocky 7, as in the
     /// papers, between the bogie joints, 0.085 m above the ground. Rocky 7 steers its two front wheels within 60 degrees; the
     /// others steer four corners, and have no published limit.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// name : str
     ///     One of `RockerBogie.presets()`.
     #[doc = raises!("If there is no such preset.")]
@@ -72,11 +64,7 @@ methods! { RockerBogie:
     }
 
     /// Names of the published rocker-bogies, each with the source of its dimensions.
-    ///
-    /// Returns
-    /// -------
-    /// dict of str to str
-    ///     Name to source; iterates over the names.
+    #[doc = returns!("dict of str to str": "Name to source; iterates over the names.")]
     #[staticmethod]
     fn presets[py: Python<'py>]() -> PyResult<Bound<'py, PyDict>> {
         PRESETS.iter().map(|preset| (preset.name, preset.source)).into_py_dict(py)

@@ -25,9 +25,7 @@ use crate::convert::{OrRaise, number, numbers, refuse, refuse_type};
 /// axes of the rover's frame R (x forward, y left, z up) [m]; the right-hand side mirrors them. With the bogies
 /// behind give `rocker_to_front`, `bogie_to_middle` and `bogie_to_rear`; with the bogies in front
 /// `rocker_to_rear`, `bogie_to_front` and `bogie_to_middle`.
-///
-/// Parameters
-/// ----------
+#[doc = section!(Parameters)]
 /// rocker_pivot : (float, float, float)
 ///     From the origin of R to the rocker joint [m]. In the papers on Rocky 7: ``(k2, k3, k1)``.
 /// rocker_to_front : (float, float, float)
@@ -52,10 +50,7 @@ use crate::convert::{OrRaise, number, numbers, refuse, refuse_type};
 ///     Half length of a bar across the body, pivoted in its middle, the levers upright on the rockers and the
 ///     rods ahead of the bar that join them [m]; the right rocker then turns by ``-rho`` only nearly. Default
 ///     a gear.
-///
-/// Raises
-/// ------
-/// ValueError
+#[doc = raises!(ValueError)]
 ///     If a number is not finite, the radius or a limit not positive, limits exclude 0, or a wheel of the
 ///     left-hand side does not lie to the left.
 ///
@@ -241,9 +236,7 @@ methods! { RockerBogie:
     }
 
     /// A rover whose bogies are behind and carry the middle and the rear wheels, as on Perseverance.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// rocker_pivot, rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear : (float, float, float)
     ///     The vectors of the left-hand side with all joints at 0, as of the class [m].
     #[doc = parameters!(wheel_radius)]
@@ -262,9 +255,7 @@ methods! { RockerBogie:
     }
 
     /// A rover whose bogies are in front and carry the front and the middle wheels, as on the Open Source Rover.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// rocker_pivot, rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle : (float, float, float)
     ///     The vectors of the left-hand side with all joints at 0, as of the class [m].
     #[doc = parameters!(wheel_radius)]
@@ -283,21 +274,12 @@ methods! { RockerBogie:
     }
 
     /// The text of a URDF from which `load` makes a rover on this suspension, and which viewers open.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// name : str
     ///     Of the robot.
-    ///
-    /// Returns
-    /// -------
-    /// str
+    #[doc = returns!("str")]
     ///     Rockers, bogies, steering and wheels as links and joints; the base link is the rover's frame R.
-    ///
-    /// Raises
-    /// ------
-    /// TypeError
-    ///     If the name is not a str.
+    #[doc = raises!(TypeError: "If the name is not a str.")]
     fn urdf[slf: &Bound<'py, Self>](name: &str = "rover") -> PyResult<String> {
         let module = slf.py().import("six_wheel.robot_description.urdf")?;
         module.call_method1("suspension_urdf", (slf, name))?.extract()

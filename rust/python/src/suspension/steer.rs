@@ -28,15 +28,8 @@ methods! { RockerBogie:
     /// Distance behind the origin of the centre of rotation with the least scrub [m]: x_R of the papers.
     ///
     /// That is a turn about a point of the line ``x = -icr_offset``. The line moves with the suspension.
-    ///
-    /// Parameters
-    /// ----------
-    #[doc = parameters!(rocker_joints, out "(...)", dtype, threads)]
-    ///
-    /// Returns
-    /// -------
-    /// float or ndarray, shape (...)
-    ///     Mean of the unsteered wheels' x, negated [m].
+    #[doc = section!(Parameters: rocker_joints, out "(...)", dtype, threads)]
+    #[doc = returns!("float or ndarray, shape (...)": "Mean of the unsteered wheels' x, negated [m].")]
     #[doc = raises!("If an angle is not finite or a shape does not fit.")]
     fn icr_offset[&self, py: Python<'py>](joints, *, out=None, dtype=None, threads: Option<i64> = None)
     -> PyResult<Bound<'py, PyAny>> {
@@ -60,9 +53,7 @@ methods! { RockerBogie:
     ///
     /// The point of the line of `icr_offset` abreast of the origin moves straight ahead: this is
     /// ``planar(joints).inverse((speed, 0, yaw_rate), centre=(-icr_offset, 0))``.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// speed : float or array_like, shape (...)
     ///     Forward speed of the origin of R [m/s].
     /// yaw_rate : float or array_like, shape (...)
@@ -73,18 +64,12 @@ methods! { RockerBogie:
     /// previous_wheel_speeds : array_like, shape (..., 6), optional
     ///     Present wheel speeds [rad/s]: which way round wheels go on that could go either way.
     #[doc = parameters!(threads)]
-    ///
-    /// Returns
-    /// -------
-    /// SteeringCommand
+    #[doc = returns!("SteeringCommand")]
     ///     `steering` [rad], `wheel_speeds` [rad/s], `turning_radius` [m], `scrub` [m/s].
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError
-    ///     If a wheel would steer past its limit.
-    /// ValueError
-    ///     If a value is not finite or a shape does not fit.
+    #[doc = raises!(
+        InfeasibleMotionError: "If a wheel would steer past its limit.",
+        ValueError: "If a value is not finite or a shape does not fit."
+    )]
     ///
     /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
     /// ICRA 1999.

@@ -12,9 +12,7 @@ methods! { Terrain:
     /// ``grid_map_msgs/GridMap`` in ROS bags (extra ``[bags]``), and YAML with ``map:``, the file's name, and these
     /// options. Coordinates stay those of the map's own frame. What a file leaves open (units, places, marks of unknown
     /// heights) is refused with the option that settles it.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// path : path
     ///     The file, or the folder of a bag.
     /// window : (float, float, float, float), optional
@@ -37,20 +35,12 @@ methods! { Terrain:
     ///     Between columns and between rows of a file without a place [m].
     /// origin : (float, float), optional
     ///     Middle of the south-western cell of a file without a place [m]; default (0, 0).
-    ///
-    /// Returns
-    /// -------
-    /// Terrain
-    ///     NaN where the map has no height.
-    ///
-    /// Raises
-    /// ------
-    /// FileNotFoundError
-    ///     If there is no such file.
-    /// ImportError
-    ///     If the library that reads such files is not installed.
-    /// TerrainFileError
-    ///     If it is no map, its coordinates are degrees, the window is off it, or it leaves something open.
+    #[doc = returns!("Terrain": "NaN where the map has no height.")]
+    #[doc = raises!(
+        FileNotFoundError: "If there is no such file.",
+        ImportError: "If the library that reads such files is not installed.",
+        TerrainFileError: "If it is no map, its coordinates are degrees, the window is off it, or it leaves something open."
+    )]
     #[staticmethod]
     fn read[](path, *, window=None, topic=None, layer=None, band=None, nodata=None, unit=None, north_up=None,
         spacing=None, origin=None, **)
@@ -62,9 +52,7 @@ methods! { Terrain:
     }
 
     /// Ground made by seed: fractal (Hurst 0.7), with rocks as on Mars.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// size : float or (float, float)
     ///     Along x and along y [m].
     /// spacing : float, default 0.05
@@ -77,11 +65,7 @@ methods! { Terrain:
     ///     The same seed makes the same ground on every platform.
     /// roughness : float, default 0.1
     ///     Root mean square of the fractal heights over 40 m [m].
-    ///
-    /// Returns
-    /// -------
-    /// Terrain
-    ///     Its origin at (0, 0), heights rounded to 0.1 mm.
+    #[doc = returns!("Terrain": "Its origin at (0, 0), heights rounded to 0.1 mm.")]
     #[doc = raises!("If a number is not finite or out of its range.")]
     ///
     /// Source: M. Golombek, D. Rapp, Size-frequency distributions of rocks on Mars and Earth analog sites, Journal of

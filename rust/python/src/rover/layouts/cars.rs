@@ -17,9 +17,7 @@ methods! { Rover:
     /// A car with Ackermann steering: steered front wheels, fixed rear wheels, origin between the rear ones.
     ///
     /// Each front wheel has an angle of its own; their axles meet in the centre of rotation.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// wheelbase : float
     ///     Rear axle to front axle [m].
     /// track_width : float
@@ -42,9 +40,7 @@ methods! { Rover:
     }
 
     /// A tricycle: one steered front wheel, two fixed rear wheels, origin between the rear ones.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// wheelbase : float
     ///     Rear axle to front wheel [m].
     /// track_width : float
@@ -67,9 +63,7 @@ methods! { Rover:
     }
 
     /// A bicycle: a steered front wheel, a fixed rear wheel, origin at the rear one.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// wheelbase : float
     ///     Rear wheel to front wheel [m].
     #[doc = parameters!(wheel_radius, steering_limit "Of the front wheel")]

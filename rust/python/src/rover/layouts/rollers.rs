@@ -12,9 +12,7 @@ methods! { Rover:
     ///
     /// Seen from above, the axes of the rollers on top point to the middle; those of the rollers that touch the
     /// ground form a diamond around it, so that all four have a lever to turn the body.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// wheelbase, track_width : float
     ///     Front to rear axle, and left to right wheel [m]: whole lengths, where other libraries take halves.
     #[doc = parameters!(wheel_radius)]
@@ -35,9 +33,7 @@ methods! { Rover:
     }
 
     /// Omni wheels, any number of them and any way round.
-    ///
-    /// Parameters
-    /// ----------
+    #[doc = section!(Parameters)]
     /// positions : array_like, shape (n, 2)
     ///     ``[x, y]`` of the wheels [m].
     /// headings : array_like, shape (n,)
