@@ -191,6 +191,11 @@ macro_rules! with_given {
     }};
 }
 
+/// Fields of a value by their names, in an array of pairs.
+macro_rules! by_name {
+    ($value:expr, $($field:ident)*) => { [$((stringify!($field), $value.$field)),*] };
+}
+
 /// Pickling by the constructor of a class and its method for the keywords that make the value again.
 macro_rules! pickled_by_keywords {
     ($class:ident: $keywords:ident) => {

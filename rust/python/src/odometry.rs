@@ -243,8 +243,8 @@ methods! { Odometry:
             core.set_pose(pose.into(), matrix)?;
             core.forget();
             Ok(())
-        })?;
-        Ok(())
+        })
+        .map(drop)
     }
 
     /// Goes on from this pose; the readings count on from the last sample.
@@ -256,8 +256,7 @@ methods! { Odometry:
     #[doc = raises!("If a number is not finite, a shape does not fit, or a variance is negative.")]
     fn set_pose[&self, py: Python<'py>](pose, covariance=None) -> PyResult<()> {
         let (pose, matrix) = (numbers("pose", pose)?, input::covariance(covariance)?);
-        self.change(py, |core| core.set_pose(pose.into(), matrix))?;
-        Ok(())
+        self.change(py, |core| core.set_pose(pose.into(), matrix)).map(drop)
     }
 }
 

@@ -125,27 +125,24 @@ getters! { Mppi, self, py:
 impl Mppi {
     /// Arguments of the constructor behind the rover.
     fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let Options {
-            horizon, dt, samples, seed, noise: sampling_std, correlation, temperature, smoothing, delay, ..
-        } = self.options;
+        let Options { horizon, dt, samples, seed, noise, correlation, temperature, smoothing, delay, .. } =
+            self.options;
         let dtype = if self.options.precision == Precision::Single { "float32" } else { "float64" };
-        let (limits, footprint) = (self.limits.clone(), self.options.footprint.clone());
-        let cost_weights = self.cost_weights(py)?;
         Ok(dict!(
             py,
-            limits,
+            limits = self.limits.clone(),
             horizon,
             dt,
             samples,
             seed,
-            sampling_std,
+            sampling_std = noise,
             correlation,
             temperature,
-            cost_weights,
+            cost_weights = self.cost_weights(py)?,
             smoothing,
             delay,
             dtype,
-            footprint
+            footprint = self.options.footprint.clone()
         ))
     }
 }

@@ -79,8 +79,7 @@ impl Wheel {
                 keywords.set_item("steering_limit", self.steering_limit(py)?)?;
             }
         }
-        let numbers = [("heading", wheel.heading), ("scrub", wheel.scrub), ("trail", wheel.trail)];
-        for (argument, value) in numbers.into_iter().filter(|(_, value)| *value != 0.0) {
+        for (argument, value) in by_name!(wheel, heading scrub trail).into_iter().filter(|(_, value)| *value != 0.0) {
             keywords.set_item(argument, value)?;
         }
         if let Some(angle) = wheel.roller_angle {

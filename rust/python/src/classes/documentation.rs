@@ -30,6 +30,9 @@ macro_rules! parameters {
     (wheel_radius) => {
         "wheel_radius : float\n    Hub to ground [m]."
     };
+    (names $order:literal) => {
+        concat!("names : sequence of str, optional\n    ", $order)
+    };
     (scrub_and_trail) => {
         "scrub, trail : float, sequence or mapping of str to float, default 0.0
     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
@@ -65,6 +68,22 @@ wheel_speeds : array_like, shape (..., wheels)
         "joints : array_like, shape (..., 3)
     Angles of the left rocker, `rho` (the right one has ``-rho``), and of the left and the right bogie against their
     rockers, `beta_1` and `beta_2` [rad]; ``SettledPose.joints`` is such."
+    };
+    (controls) => {
+        "controls : array_like, shape (..., k, t, 3)
+    Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]: k rollouts of t steps.
+dt : float or array_like, shape (t,)
+    Duration of the steps [s].
+start : array_like, shape (3,) or (..., k, 3), default (0, 0, 0)
+    First pose ``[x, y, yaw]`` [m, m, rad], of all rollouts or of each."
+    };
+    (log) => {
+        "steering : array_like, shape (n, steered wheels)
+    As in `update`; None for a rover that does not steer.
+wheel_angles : array_like, shape (n, wheels)
+    As in `update`.
+stamps : array_like, shape (n,)
+    When they were read [s]."
     };
     (ends) => {
         "start, end : float or array_like, shape (axes,)\n    Values at both ends, in any unit."

@@ -24,8 +24,7 @@ result_class! {
         twist: Py<PyAny>,
         /// Bits of `Reason`, shape (n,), uint32.
         reasons: Py<PyArray1<u32>>,
-    }
-    hidden {
+        /// The rover.
         rover: Py<Rover>,
     }
 }
@@ -72,8 +71,6 @@ methods! { Controller:
 }
 
 getters! { ControllerRun, self, py:
-    /// The rover.
-    rover: Py<Rover> = self.rover.clone_ref(py);
     /// Joint commands by joint name, as `Rover.commands`: arrays (n,) of steering [rad] and wheel speeds [rad/s].
     commands: PyResult<Bound<'py, PyDict>> = {
         let rover = self.rover.get();

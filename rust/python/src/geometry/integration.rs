@@ -127,13 +127,7 @@ functions! {
     }
 
     /// Poses of a sampling planner's rollouts: `integrate` for many short logs that start from one pose.
-    #[doc = section!(Parameters)]
-    /// controls : array_like, shape (..., k, t, 3)
-    ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]: k rollouts of t steps.
-    /// dt : float or array_like, shape (t,)
-    ///     Duration of the steps [s].
-    /// start : array_like, shape (3,) or (..., k, 3), default (0, 0, 0)
-    ///     First pose ``[x, y, yaw]`` [m, m, rad], of all rollouts or of each.
+    #[doc = section!(Parameters: controls)]
     #[doc = parameters!(out "(..., k, t + 1, 3)", dtype)]
     /// rover : Rover, optional
     ///     Whose motions they are: controls are then wishes, as those of `Mppi`, and what the rover cannot do at once becomes

@@ -92,6 +92,32 @@ getters! { Preintegrated, self, py:
     noise: PyResult<Noise> = Ok(self.work.lock(py)?.core.options().settings.noise.into());
     /// Error model of the gyroscope; None without one.
     gyroscope: PyResult<Option<Gyroscope>> = Ok(self.work.lock(py)?.core.options().gyroscope.map(Gyroscope));
+    /// The motion ``begin_from_end``: ``[x, y, yaw]``, the yaw with its full turns, or in space a matrix (4, 4).
+    delta: PyResult<Bound<'py, PyAny>> = {
+        let mut work = self.work.lock(py)?;
+        if let Some(pose) = work.core.pose() {
+            return Ok(PyArray1::from_slice(py, &<[f64; 3]>::from(pose)).into_any());
+        }
+        let replayed = work.replayed(py)?;
+        let (motion, yaw) = (replayed.motion, replayed.yaw);
+        Ok(self.written(py, &motion, yaw))
+    };
+    /// Covariance of the motion in the tangent space `tangent`, shape (3, 3) or (6, 6).
+    covariance: PyResult<Matrix<'py>> = self.covariance_in(py, "end");
+    /// Derivatives of the motion by the dimensions of the wheels, dict of name to array (3 or 6, wheels): `radius`,
+    /// `x`, `y`, `heading`, `scrub`, `trail`, `roller_angle`.
+    by_dimension: PyResult<Bound<'py, PyDict>> = self.tables(py, NAMES.into_iter());
+    /// Derivatives by constant slip, dict of name to array (3 or 6, wheels): `slip`, the share of the way a wheel rolled
+    /// by which its contact slipped forwards; `side_slip`, how far it slipped to its left, as a share of the way its pivot
+    /// went.
+    by_slip: PyResult<Bound<'py, PyDict>> = self.tables(py, SLIPS.into_iter());
+    /// Derivative by the bias of the gyroscope [rad/s], shape (3,) or (6,); zero without one.
+    by_gyroscope_bias: PyResult<Bound<'py, PyArray1<f64>>> = {
+        let mut work = self.work.lock(py)?;
+        let by = work.replayed(py)?.by(Column::Bias);
+        let kept: Vec<f64> = self.rows().iter().map(|&row| by[row]).collect();
+        Ok(kept.to_pyarray(py))
+    };
 }
 
 impl Preintegrated {
@@ -261,24 +287,6 @@ copied! { Preintegrated, |this, py| {
 
 #[pymethods]
 impl Preintegrated {
-    /// The motion ``begin_from_end``: ``[x, y, yaw]``, the yaw with its full turns, or in space a matrix (4, 4).
-    #[getter]
-    fn delta<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let mut work = self.work.lock(py)?;
-        if let Some(pose) = work.core.pose() {
-            return Ok(PyArray1::from_slice(py, &<[f64; 3]>::from(pose)).into_any());
-        }
-        let replayed = work.replayed(py)?;
-        let (motion, yaw) = (replayed.motion, replayed.yaw);
-        Ok(self.written(py, &motion, yaw))
-    }
-
-    /// Covariance of the motion in the tangent space `tangent`, shape (3, 3) or (6, 6).
-    #[getter]
-    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Matrix<'py>> {
-        self.covariance_in(py, "end")
-    }
-
     /// Covariance of the motion in a tangent space by name.
     #[doc = section!(Parameters)]
     /// tangent : {'end', 'begin', 'coordinates'}
@@ -293,31 +301,6 @@ impl Preintegrated {
         }
         let covariance = work.replayed(py)?.covariance_in(chosen);
         self.square(py, |i, k| covariance[(i, k)])
-    }
-
-    /// Derivatives of the motion by the dimensions of the wheels, dict of name to array (3 or 6, wheels): `radius`,
-    /// `x`, `y`, `heading`, `scrub`, `trail`, `roller_angle`.
-    #[getter]
-    fn by_dimension<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.tables(py, NAMES.into_iter())
-    }
-
-    /// Derivatives by constant slip, dict of name to array (3 or 6, wheels): `slip`, the share of the way a wheel rolled
-    /// by which its contact slipped forwards; `side_slip`, how far it slipped to its left, as a share of the way its pivot
-    /// went.
-    #[getter]
-    fn by_slip<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.tables(py, SLIPS.into_iter())
-    }
-
-    /// Derivative by the bias of the gyroscope [rad/s], shape (3,) or (6,); zero without one.
-    #[getter]
-    fn by_gyroscope_bias<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let rows = self.rows();
-        let mut work = self.work.lock(py)?;
-        let by = work.replayed(py)?.by(Column::Bias);
-        let kept: Vec<f64> = rows.iter().map(|&row| by[row]).collect();
-        Ok(kept.to_pyarray(py))
     }
 
     /// The motion after changes, to first order: no sample is looked at again.

@@ -12,13 +12,7 @@ use crate::convert::{Array, Output, Rows, compute_rows, is_interrupted, memory};
 
 methods! { Odometry:
     /// Takes in a whole log, from where the last sample ended; the same numbers as `update`, row by row.
-    #[doc = section!(Parameters)]
-    /// steering : array_like, shape (n, steered wheels)
-    ///     As in `update`; None for a rover that does not steer.
-    /// wheel_angles : array_like, shape (n, wheels)
-    ///     As in `update`.
-    /// stamps : array_like, shape (n,)
-    ///     When they were read [s].
+    #[doc = section!(Parameters: log)]
     /// yaw, yaw_rate : array_like, shape (n,), optional
     ///     As in `update`; NaN in rows without.
     /// errors : {'flag', 'raise'}

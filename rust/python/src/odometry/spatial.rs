@@ -168,13 +168,7 @@ methods! { Odometry3:
     }
 
     /// Takes in a whole log, from where the last sample ended; the same numbers as `update`, row by row.
-    #[doc = section!(Parameters)]
-    /// steering : array_like, shape (n, steered wheels)
-    ///     As in `update`; None for a rover that does not steer.
-    /// wheel_angles : array_like, shape (n, wheels)
-    ///     As in `update`.
-    /// stamps : array_like, shape (n,)
-    ///     When they were read [s].
+    #[doc = section!(Parameters: log)]
     /// joints : array_like, shape (n, joints), optional
     ///     As in `update`.
     /// attitude : array_like, shape (n, 2), (n, 3) or (n, 4), optional
@@ -262,8 +256,7 @@ methods! { Odometry3:
     as "($self, pose=(0.0, 0.0, 0.0), covariance=None)" -> PyResult<()> {
         let pose = pose.map_or(Ok(Default::default()), |pose| self::pose("pose", pose))?;
         let matrix = self::covariance(covariance, 0.0)?;
-        self.change(py, |core| core.start_over(pose, matrix))?;
-        Ok(())
+        self.change(py, |core| core.start_over(pose, matrix)).map(drop)
     }
 
     /// Goes on from this pose; the readings count on from the last sample.
@@ -275,8 +268,7 @@ methods! { Odometry3:
     #[doc = raises!("If a number is not finite, a shape does not fit, or a variance is negative.")]
     fn set_pose[&self, py: Python<'py>](pose, covariance=None) -> PyResult<()> {
         let (pose, matrix) = (self::pose("pose", pose)?, self::covariance(covariance, 0.0)?);
-        self.change(py, |core| core.set_pose(pose, matrix))?;
-        Ok(())
+        self.change(py, |core| core.set_pose(pose, matrix)).map(drop)
     }
 }
 

@@ -50,9 +50,7 @@ impl From<CoreNoise> for Noise {
 
 impl Noise {
     fn all(&self) -> [(&'static str, f64); 6] {
-        let CoreNoise { speed, steering, slip, side_slip, yaw, yaw_rate, .. } = self.0;
-        let names = ["speed", "steering", "slip", "side_slip", "yaw", "yaw_rate"];
-        std::array::from_fn(|k| (names[k], [speed, steering, slip, side_slip, yaw, yaw_rate][k]))
+        by_name!(self.0, speed steering slip side_slip yaw yaw_rate)
     }
 
     /// Those that are not 0, and the first two; of a typical rover those that are not its.
@@ -219,15 +217,7 @@ pub struct Gyroscope(pub CoreGyroscope);
 
 impl Gyroscope {
     fn numbers(&self) -> [(&'static str, Option<f64>); 5] {
-        let CoreGyroscope { noise, bias, bias_noise, bias_walk, scale_noise } = self.0;
-        [
-            ("noise", noise),
-            ("bias", bias),
-            ("bias_noise", bias_noise),
-            ("bias_walk", bias_walk),
-            ("scale_noise", scale_noise),
-        ]
-        .map(|(name, number)| (name, Some(number)))
+        by_name!(self.0, noise bias bias_noise bias_walk scale_noise).map(|(name, number)| (name, Some(number)))
     }
 }
 

@@ -21,13 +21,7 @@ methods! { Rover:
     /// One pass over the controls, which need not be possible for this rover: where a wheel cannot steer to where
     /// it should, it takes the nearest angle it can, and `max_side_slip` says by how much that misses. Every step's angles
     /// are those of `inverse` with the angles of the step before as `previous`.
-    #[doc = section!(Parameters)]
-    /// controls : array_like, shape (..., k, t, 3)
-    ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]: k rollouts of t steps.
-    /// dt : float or array_like, shape (t,)
-    ///     Duration of the steps [s].
-    /// start : array_like, shape (3,) or (..., k, 3), default (0, 0, 0)
-    ///     First pose ``[x, y, yaw]`` [m, m, rad], of all rollouts or of each.
+    #[doc = section!(Parameters: controls)]
     /// previous : array_like, shape (steered wheels,), optional
     ///     Present steering angles [rad]; without them the first step costs no steering rate.
     /// out : RolloutCost or tuple of ndarray, optional

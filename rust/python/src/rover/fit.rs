@@ -23,17 +23,16 @@ result_class! {
         sigma_min: Py<PyAny>,
         /// Say of each wheel, shape (..., wheels), 0 to 1.
         weights: Py<PyAny>,
+        /// The rover.
+        rover: Py<Rover>,
     }
     hidden {
-        rover: Py<Rover>,
         leading: Vec<usize>,
     }
     repr { twist residuals rank sigma_min weights worst_wheel }
 }
 
 getters! { TwistFit, self, py:
-    /// The rover.
-    rover: Py<Rover> = self.rover.clone_ref(py);
     /// Name of the wheel with the largest residual, None where there is none; nested lists of them for a batch.
     worst_wheel: PyResult<Py<PyAny>> = {
         let rover = self.rover.get();

@@ -51,8 +51,7 @@ methods! { Rover:
     /// middle_track_width : float, optional
     ///     Left to right middle wheel [m]; may be 0, default `track_width`.
     #[doc = parameters!(wheel_radius, steering_limit "Of all corner wheels or one each", scrub_and_trail)]
-    /// names : sequence of str, optional
-    ///     Of the wheels, in the order above.
+    #[doc = parameters!(names "Of the wheels, in the order above.")]
     #[doc = raises!("If a dimension or the limit is not finite and positive.")]
     ///
     /// Source: the corner-steering geometry of NASA's Mars rovers as used by the JPL Open Source Rover.
@@ -76,9 +75,7 @@ methods! { Rover:
     ///     Largest steering angle to either side, or smallest and largest [rad]; default endless, ``math.inf`` for endless.
     ///     Of all modules or one each: a mapping by name, or a sequence of pairs.
     ///     Beyond half a turn, turns are counted.
-    #[doc = parameters!(scrub_and_trail)]
-    /// names : sequence of str, optional
-    ///     Default ``module_0``, ``module_1``, ...
+    #[doc = parameters!(scrub_and_trail, names "Default ``module_0``, ``module_1``, ...")]
     #[doc = raises!("If a value is not finite, the radius or the limit not positive, or two modules share a point.")]
     ///
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
@@ -155,8 +152,7 @@ methods! { Rover:
     ///     Longitudinal position of the centres [m].
     #[doc = parameters!(scrub_and_trail)]
     ///     Not beside `icr_left`, `icr_right` and `icr_forward`, which say the same.
-    /// names : sequence of str, optional
-    ///     Of the left and the right track; default ``left`` and ``right``.
+    #[doc = parameters!(names "Of the left and the right track; default ``left`` and ``right``.")]
     #[doc = raises!("If a length is not finite and positive, or the centres lie the wrong way round.")]
     ///
     /// Source: J. L. Martinez et al., Approximating kinematics for tracked mobile robots, IJRR 24(10), 2005.

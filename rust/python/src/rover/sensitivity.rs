@@ -12,29 +12,26 @@ use crate::workers::workers;
 /// Names that are read at most.
 const MOST_NAMES: usize = 1000;
 
-/// Every quantity by the name of its attribute.
-const NAMES: [(&str, Quantity); 12] = [
-    ("wheel_speeds", Quantity::Speed),
-    ("steering", Quantity::Steering),
-    ("steering_rates", Quantity::SteeringRate),
-    ("slip", Quantity::Slip),
-    ("side_slip", Quantity::SideSlip),
-    ("x", Quantity::X),
-    ("y", Quantity::Y),
-    ("heading", Quantity::Heading),
-    ("radius", Quantity::Radius),
-    ("scrub", Quantity::Scrub),
-    ("trail", Quantity::Trail),
-    ("roller_angle", Quantity::RollerAngle),
-];
+/// Attributes with derivatives of the twist, each with its quantity, and all of them by name.
+macro_rules! derivatives {
+    ($($(#[$doc:meta])* $name:ident = $quantity:ident;)*) => {
+        /// Every quantity by the name of its attribute.
+        const NAMES: &[(&str, Quantity)] = &[$((stringify!($name), Quantity::$quantity)),*];
+
+        getters! { Sensitivity, self, py:
+            $($(#[$doc])* $name: Option<Py<PyAny>> = self.get(py, stringify!($name));)*
+        }
+    };
+}
 
 /// A twist with its derivatives: rows ``vx, vy, omega``, one column per wheel or steered wheel.
 ///
 /// Derivatives that were not asked for are None.
 #[pyclass(frozen, module = "six_wheel", name = "TwistJacobian")]
-#[derive(Default)]
 pub struct Sensitivity {
-    twist: Option<Py<PyAny>>,
+    /// ``[vx, vy, omega]`` in body axes, shape (..., 3) [m/s, m/s, rad/s].
+    #[pyo3(get)]
+    twist: Py<PyAny>,
     columns: Vec<(&'static str, Py<PyAny>)>,
 }
 
@@ -45,38 +42,36 @@ impl Sensitivity {
     }
 }
 
-getters! { Sensitivity, self, py:
-    /// ``[vx, vy, omega]`` in body axes, shape (..., 3) [m/s, m/s, rad/s].
-    twist: Option<Py<PyAny>> = self.twist.as_ref().map(|twist| twist.clone_ref(py));
+derivatives! {
     /// By the reading of each wheel's speed [rad/s], shape (..., 3, wheels).
-    wheel_speeds: Option<Py<PyAny>> = self.get(py, "wheel_speeds");
+    wheel_speeds = Speed;
     /// By the reading of each steering angle [rad], shape (..., 3, steered wheels).
-    steering: Option<Py<PyAny>> = self.get(py, "steering");
+    steering = Steering;
     /// By the rate of each steering angle [rad/s], shape (..., 3, steered wheels).
-    steering_rates: Option<Py<PyAny>> = self.get(py, "steering_rates");
+    steering_rates = SteeringRate;
     /// By the speed at which each contact slips forwards [m/s], shape (..., 3, wheels).
-    slip: Option<Py<PyAny>> = self.get(py, "slip");
+    slip = Slip;
     /// By the speed at which each contact slips to its left [m/s], shape (..., 3, wheels).
-    side_slip: Option<Py<PyAny>> = self.get(py, "side_slip");
+    side_slip = SideSlip;
     /// By each pivot's place forward of the origin [m], shape (..., 3, wheels).
-    x: Option<Py<PyAny>> = self.get(py, "x");
+    x = X;
     /// By each pivot's place left of the origin [m], shape (..., 3, wheels).
-    y: Option<Py<PyAny>> = self.get(py, "y");
+    y = Y;
     /// By each wheel's direction at steering angle 0 [rad], shape (..., 3, wheels): the offset of a steering angle.
-    heading: Option<Py<PyAny>> = self.get(py, "heading");
+    heading = Heading;
     /// By each radius [m], shape (..., 3, wheels).
-    radius: Option<Py<PyAny>> = self.get(py, "radius");
+    radius = Radius;
     /// By each contact's place left of its steering axis [m], shape (..., 3, wheels).
-    scrub: Option<Py<PyAny>> = self.get(py, "scrub");
+    scrub = Scrub;
     /// By each contact's place behind its steering axis [m], shape (..., 3, wheels).
-    trail: Option<Py<PyAny>> = self.get(py, "trail");
+    trail = Trail;
     /// By each roller angle [rad], shape (..., 3, wheels); 0 for a wheel without rollers.
-    roller_angle: Option<Py<PyAny>> = self.get(py, "roller_angle");
+    roller_angle = RollerAngle;
 }
 
 pickled_by_fields! { Sensitivity, this, py:
     (
-        twist: Option<Py<PyAny>> = &this.twist,
+        twist: Py<PyAny> = &this.twist,
         names: Vec<String> = this.columns.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
         arrays: Vec<Py<PyAny>> = this.columns.iter().map(|(_, array)| array).collect::<Vec<_>>(),
     )
@@ -152,6 +147,6 @@ methods! { Rover:
             .zip(columns)
             .map(|((name, _), column)| Ok((*name, column.finish_object()?)))
             .collect::<PyResult<_>>()?;
-        Ok(Sensitivity { twist: Some(twists.finish_object()?), columns })
+        Ok(Sensitivity { twist: twists.finish_object()?, columns })
     }
 }

@@ -61,11 +61,8 @@ result_class! {
 
 getters! { Feasibility, self, py:
     /// Reason for a pose that is not feasible, shape (...): `six_wheel.FeasibilityReason`, ``ok`` where it may.
-    reason: PyResult<Py<PyAny>> = {
-        let module = py.import("six_wheel.kinematics.statuses")?;
-        let reasons = module.call_method1("feasible_reasons", (&self.reason_codes,))?;
-        Ok(reasons.unbind())
-    };
+    reason: PyResult<Bound<'py, PyAny>> =
+        py.import("six_wheel.kinematics.statuses")?.call_method1("feasible_reasons", (&self.reason_codes,));
 }
 
 result_class! {

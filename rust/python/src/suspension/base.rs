@@ -160,9 +160,7 @@ methods! { Suspension:
     #[doc = section!(Parameters)]
     /// centres : array_like, shape (wheels, 3)
     ///     Wheel centres in the body, front to rear, left before right [m].
-    #[doc = parameters!(wheel_radius)]
-    /// names : sequence of str, optional
-    ///     Default ``wheel_1`` and so on.
+    #[doc = parameters!(wheel_radius, names "Default ``wheel_1`` and so on.")]
     /// steered : sequence of int
     ///     Indices of the wheels that steer, about the upright axis through their centre.
     #[doc = parameters!(steering_limit)]

@@ -43,11 +43,9 @@ result_class! {
 
 getters! { PoseBounds, self, py:
     /// Validity of the intervals, shape (...): `six_wheel.BoundsStatus`.
-    status: PyResult<Py<PyAny>> = {
-        let codes = memory::gathered(self.codes.iter().copied())?;
-        let codes = scalar_or_array(py, codes, &self.leading)?;
-        let module = py.import("six_wheel.kinematics.statuses")?;
-        module.call_method1("bound_statuses", (codes,)).map(Bound::unbind)
+    status: PyResult<Bound<'py, PyAny>> = {
+        let codes = scalar_or_array(py, memory::gathered(self.codes.iter().copied())?, &self.leading)?;
+        py.import("six_wheel.kinematics.statuses")?.call_method1("bound_statuses", (codes,))
     };
 }
 

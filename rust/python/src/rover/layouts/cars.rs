@@ -26,8 +26,7 @@ methods! { Rover:
     /// driven : {'rear', 'front', 'all'}
     ///     Wheels that have motors; the others roll along.
     #[doc = parameters!(scrub_and_trail)]
-    /// names : sequence of str, optional
-    ///     Default ``front_left``, ``front_right``, ``rear_left``, ``rear_right``; in that order.
+    #[doc = parameters!(names "Default ``front_left``, ``front_right``, ``rear_left``, ``rear_right``; in that order.")]
     #[doc = raises!("If a length or the limit is not finite and positive.")]
     #[staticmethod]
     fn ackermann[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *, steering_limit=None,
@@ -48,9 +47,7 @@ methods! { Rover:
     #[doc = parameters!(wheel_radius, steering_limit "Of the front wheel")]
     /// driven : {'front', 'rear', 'all'}
     ///     Wheels that have motors; the others roll along.
-    #[doc = parameters!(scrub_and_trail)]
-    /// names : sequence of str, optional
-    ///     Default ``front``, ``rear_left``, ``rear_right``; in that order.
+    #[doc = parameters!(scrub_and_trail, names "Default ``front``, ``rear_left``, ``rear_right``; in that order.")]
     #[doc = raises!("If a length or the limit is not finite and positive.")]
     #[staticmethod]
     fn tricycle[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *, steering_limit=None,
@@ -69,9 +66,7 @@ methods! { Rover:
     #[doc = parameters!(wheel_radius, steering_limit "Of the front wheel")]
     /// driven : {'rear', 'front', 'all'}
     ///     Wheels that have motors; the others roll along.
-    #[doc = parameters!(scrub_and_trail)]
-    /// names : sequence of str, optional
-    ///     Default ``front``, ``rear``; in that order.
+    #[doc = parameters!(scrub_and_trail, names "Default ``front``, ``rear``; in that order.")]
     #[doc = raises!("If a length or the limit is not finite and positive.")]
     #[staticmethod]
     fn bicycle[py: Python<'py>](wheelbase: f64, wheel_radius: f64, *, steering_limit=None, driven: &str = "rear",

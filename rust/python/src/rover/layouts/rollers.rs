@@ -19,8 +19,7 @@ methods! { Rover:
     /// roller_angle : float
     ///     Between the axes of rollers and wheel [rad]; default an eighth of a turn.
     #[doc = parameters!(scrub_and_trail)]
-    /// names : sequence of str, optional
-    ///     Default ``front_left``, ``front_right``, ``rear_left``, ``rear_right``; in that order.
+    #[doc = parameters!(names "Default ``front_left``, ``front_right``, ``rear_left``, ``rear_right``; in that order.")]
     #[doc = raises!("If a length is not finite and positive, or the rollers leave nothing to drive.")]
     #[staticmethod]
     fn mecanum[py: Python<'py>](wheelbase: f64, track_width: f64, wheel_radius: f64, *,
@@ -41,9 +40,7 @@ methods! { Rover:
     #[doc = parameters!(wheel_radius)]
     /// roller_angle : float
     ///     Between the axes of rollers and wheel [rad]; default a quarter turn.
-    #[doc = parameters!(scrub_and_trail)]
-    /// names : sequence of str, optional
-    ///     Default ``wheel_0``, ``wheel_1``, ...
+    #[doc = parameters!(scrub_and_trail, names "Default ``wheel_0``, ``wheel_1``, ...")]
     #[doc = raises!("If a value is not finite, the radius not positive, or the rollers leave nothing to drive.")]
     #[staticmethod]
     fn omni[py: Python<'py>](positions, headings, wheel_radius: f64, *, roller_angle: Option<f64> = None,
