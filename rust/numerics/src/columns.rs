@@ -41,6 +41,24 @@ impl Column {
     }
 }
 
+/// Register `k` of each of these columns.
+#[inline(always)]
+pub fn load<S: Simd, const N: usize>(simd: S, columns: &[Column; N], k: usize) -> [Lanes<S>; N] {
+    let mut lanes = [Lanes::splat(simd, 0.0); N];
+    for (lanes, column) in lanes.iter_mut().zip(columns) {
+        *lanes = column.load(simd, k);
+    }
+    lanes
+}
+
+/// Writes register `k` of each of these columns.
+#[inline(always)]
+pub fn store<S: Simd, const N: usize>(lanes: [Lanes<S>; N], columns: &mut [Column; N], k: usize) {
+    for (lanes, column) in lanes.into_iter().zip(columns) {
+        column.store(k, lanes);
+    }
+}
+
 /// Columns of a rover of up to eight wheels: steering angles and speeds; the same with optional inputs.
 const FEW: usize = 16;
 const SOME: usize = 32;

@@ -10,13 +10,13 @@ use nalgebra::Vector3;
 use pulp::Simd;
 
 use crate::geometry::Direction;
-use crate::kernels::row::dot;
 use crate::kernels::safe_range::{MIN_SQUARABLE, SCALE, distant_pivots, has_safe_lengths, is_in_safe_range};
 use crate::kernels::steered::wheel::{SAFE_OVERSHOOT, SteeredConstants, WheelQuery};
 use crate::rover_data::RoverData;
 use six_wheel_numerics::columns::Column;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::{LevelKernel, run_rarely};
+use six_wheel_numerics::simd::vec3::row_times as dot;
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Side slip up to which a twist is admissible, as a share of the fastest pivot's speed: 1 nm per metre driven, above

@@ -5,11 +5,11 @@ use crate::admissible::Keep;
 use crate::admissible::check::infeasible;
 use crate::admissible::faces::{AGREED, Face, Faces, VANISHED, components};
 use crate::geometry::Twist;
-use crate::kernels::row::dot;
 use crate::kernels::safe_range::{MIN_SQUARABLE, SCALE};
 use six_wheel_numerics::error::{Error, ErrorKind};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::vec3::row_times as dot;
 use six_wheel_numerics::simd::vector::Vector;
 
 /// A twist in every lane.

@@ -2,8 +2,7 @@
 
 use super::cone::{AdmissibleCone, Rates};
 use super::projection::Projection;
-use crate::kernels::row::load;
-use six_wheel_numerics::columns::{BLOCK, Column, transpose_to_columns, transpose_to_rows};
+use six_wheel_numerics::columns::{BLOCK, Column, load, store, transpose_to_columns, transpose_to_rows};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;
@@ -67,9 +66,7 @@ impl Kernel for ProjectRange<'_> {
             for k in 0..rows.len().div_ceil(S::F64_LANES) {
                 let (twist, is_found) = self.projection.lanes(simd, load(simd, &wanted, k));
                 are_found = are_found & is_found;
-                for (column, part) in found.iter_mut().zip(twist) {
-                    column.store(k, part);
-                }
+                store(twist, &mut found, k);
             }
             transpose_to_rows(simd, &found, targets.as_flattened_mut());
             if (!are_found).any() {

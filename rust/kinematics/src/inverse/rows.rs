@@ -2,15 +2,15 @@
 
 use super::constants::{InverseConstants, WheelKind};
 use crate::admissible::cone::{AdmissibleCone, Rates};
-use crate::kernels::row::{dot, load};
 use crate::kernels::safe_range::{MAX_SQUARABLE, MIN_SQUARABLE, all_within};
 use crate::kernels::steered::direction_votes::{CommonDirection, DirectionTie, DirectionVotes};
 use crate::kernels::steered::wheel::WheelQuery;
 use crate::rover_data::{Inputs, RoverData};
-use six_wheel_numerics::columns::{BLOCK, Column, transpose_to_columns, transpose_to_rows, with_columns};
+use six_wheel_numerics::columns::{BLOCK, Column, load, transpose_to_columns, transpose_to_rows, with_columns};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::{Kernel, Level, run_rarely};
+use six_wheel_numerics::simd::vec3::row_times as dot;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::stream::{Output, prefetch_ahead};
 

@@ -5,12 +5,11 @@
 use super::normal_equations::{ForwardConstants, LARGEST_SPEED};
 use super::readings::{FitColumns, ReadingColumns, solve_block};
 use super::robust::{Block, EARLY, LATE, RobustConstants};
-use super::row::load;
 use super::safe_range::all_within;
 use crate::estimate::{Measured, Method, Reading, Unseen};
 use crate::rover_data::{MAX_WHEELS, RoverData};
 use crate::table::{Log, row_mut};
-use six_wheel_numerics::columns::{BLOCK, Column, transpose_to_rows, with_columns};
+use six_wheel_numerics::columns::{BLOCK, Column, load, store, transpose_to_rows, with_columns};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::vector::Vector;
@@ -258,10 +257,7 @@ impl BlockConstants {
         for k in 0..count.min(BLOCK).div_ceil(S::F64_LANES) {
             let unknowns = load(simd, &kept.unknowns, k);
             if ROBUST {
-                let parts = self.forward.twist_at_origin(unknowns);
-                for (column, part) in twists.iter_mut().zip(parts) {
-                    column.store(k, part);
-                }
+                store(self.forward.twist_at_origin(unknowns), twists, k);
             }
             let columns = kept.readings.iter().zip(residuals.iter_mut());
             for (wheel, ([u, v], residual)) in self.forward.wheels.iter().zip(columns) {

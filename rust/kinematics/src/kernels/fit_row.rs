@@ -4,7 +4,6 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::robust::{ByMinors, IrlsIterations, MOST, NormalSolver, RobustWheel};
-use super::row::dot;
 use super::wheel_rows::RowPair;
 use crate::estimate::{Fit, Measured, Method, NOISE, Reading, Unseen};
 use crate::geometry::Twist;
@@ -13,6 +12,7 @@ use crate::wheels::{Pivot, Wheel};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::vec3::row_times as dot;
 use six_wheel_numerics::simd::vector::Vector;
 
 impl RoverData {
@@ -118,10 +118,11 @@ impl Kernel for RowFit<'_> {
         }
         for (i, residual) in self.residual.iter_mut().enumerate() {
             let square = equations.rows[i].square(simd, equations.readings[i], unknowns);
-            *residual = first(square.sqrt()) / scale;
+            *residual = square.sqrt().last(simd) / scale;
         }
         let [x, y, z] = unknowns;
-        Ok((self.rover.twist_at_origin(&Vector3::new(first(x), first(y), first(z))) / scale).into())
+        let unknowns = Vector3::new(x.last(simd), y.last(simd), z.last(simd));
+        Ok((self.rover.twist_at_origin(&unknowns) / scale).into())
     }
 }
 
@@ -156,7 +157,7 @@ impl<S: Vector> Equations<S> {
             }
         }
         for (weight, lanes) in weights.iter_mut().zip(rounds.weights) {
-            *weight = first(lanes);
+            *weight = lanes.last(simd);
         }
         Ok(rounds.unknowns)
     }
@@ -175,7 +176,7 @@ impl<S: Vector> NormalSolver<S> for ByFactors<'_> {
     fn solve(&mut self, simd: S, normal: [Lanes<S>; 6], right: [Lanes<S>; 3]) -> ([Lanes<S>; 3], Mask<S>) {
         let mut numbers = [0.0; 6];
         for (number, lanes) in numbers.iter_mut().zip(normal) {
-            *number = first(lanes);
+            *number = lanes.last(simd);
         }
         let [a, b, c, d, e, f] = numbers;
         match self.rover.solution(Matrix3::new(a, b, c, b, d, e, c, e, f), self.unseen) {
@@ -186,14 +187,6 @@ impl<S: Vector> NormalSolver<S> for ByFactors<'_> {
             }
         }
     }
-}
-
-/// The number in the first lane.
-#[inline(always)]
-fn first<S: Vector>(lanes: Lanes<S>) -> f64 {
-    let mut numbers = [0.0; 8];
-    lanes.store(S::as_mut_simd_f64s(&mut numbers).0, 0);
-    numbers[0]
 }
 
 /// `matrix · vector`

@@ -7,7 +7,6 @@ pub(crate) mod forward_row;
 pub mod normal_equations;
 pub(crate) mod readings;
 pub(crate) mod robust;
-pub mod row;
 pub mod safe_range;
 pub(crate) mod sensitivity;
 pub mod steered;

@@ -2,7 +2,7 @@
 
 use super::normal_equations::{ForwardConstants, ReadingLanes};
 use crate::table::Log;
-use six_wheel_numerics::columns::{BLOCK, Column, transpose_to_columns};
+use six_wheel_numerics::columns::{BLOCK, Column, store, transpose_to_columns};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::sin_cos;
 use six_wheel_numerics::simd::vector::Vector;
@@ -134,13 +134,9 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
         let (unknowns, is_solved) = constants.solve::<S, CENTRED>(simd, &sums);
         if KEEP {
             kept.rolling.store(k, sums.rolling);
-            for (column, unknown) in kept.unknowns.iter_mut().zip(unknowns) {
-                column.store(k, unknown);
-            }
+            store(unknowns, &mut kept.unknowns, k);
         }
-        for (column, part) in twists.iter_mut().zip(constants.twist_at_origin(unknowns)) {
-            column.store(k, part);
-        }
+        store(constants.twist_at_origin(unknowns), twists, k);
         kept.rare.store(k, is_solved.select(zero, one));
         all = all & is_solved;
     }

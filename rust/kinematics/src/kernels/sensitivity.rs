@@ -10,7 +10,7 @@ use crate::estimate::sensitivity::{LinearisedFit, Quantity};
 use crate::estimate::{Measured, Method, Reading, Unseen};
 use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
 use crate::table::{Log, row_mut};
-use six_wheel_numerics::columns::{BLOCK, Column, transpose_tiles_to_rows, transpose_to_rows};
+use six_wheel_numerics::columns::{BLOCK, Column, store, transpose_tiles_to_rows, transpose_to_rows};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::Kernel;
@@ -199,9 +199,7 @@ fn invert<S: Vector>(
         let mut unit = [one, zero, zero];
         for column in inverse.as_chunks_mut::<3>().0 {
             let (unknowns, _) = solve(simd, normal, unit);
-            for (place, number) in column.iter_mut().zip(constants.twist_at_origin(unknowns)) {
-                place.store(k, number);
-            }
+            store(constants.twist_at_origin(unknowns), column, k);
             let [x, y, z] = unit;
             unit = [z, x, y];
         }

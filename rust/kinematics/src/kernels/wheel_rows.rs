@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::row::dot;
 use crate::rover_data::{Mount, RoverData};
 use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::vec3::row_times as dot;
 use six_wheel_numerics::simd::vector::Vector;
 
 /// Two rows `a`: each times the unknowns is a reading `b` [m/s]. The unknowns are the velocity of the centre of the pivots and

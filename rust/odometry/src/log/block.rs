@@ -7,7 +7,7 @@ use crate::propagation::covariance::Covariance3;
 use crate::samples::recording::TrackRows;
 use crate::settings::Settings;
 use crate::uncertainty::{ROUNDING, rounded};
-use six_wheel_numerics::columns::{Column, transpose_to_rows};
+use six_wheel_numerics::columns::{Column, load, store, transpose_to_rows};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;
 use six_wheel_numerics::simd::vector::Vector;
@@ -60,22 +60,6 @@ pub struct LogBlock {
     pub(crate) lever: [Column; 2],
     /// Covariance of the pose, whole matrices.
     pub(crate) covariances: [Column; 9],
-}
-
-#[inline(always)]
-pub(crate) fn load<S: Vector, const N: usize>(simd: S, columns: &[Column; N], k: usize) -> [Lanes<S>; N] {
-    let mut lanes = [Lanes::splat(simd, 0.0); N];
-    for (lanes, column) in lanes.iter_mut().zip(columns) {
-        *lanes = column.load(simd, k);
-    }
-    lanes
-}
-
-#[inline(always)]
-pub(crate) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &mut [Column; N], k: usize) {
-    for (lanes, column) in lanes.into_iter().zip(columns) {
-        column.store(k, lanes);
-    }
 }
 
 /// A row of columns.

@@ -1,6 +1,6 @@
 //! A register of steps in body axes: displacements, their covariances and the fusion with a gyroscope.
 
-use super::block::{LogBlock, Rows, store};
+use super::block::{LogBlock, Rows};
 use super::in_parts;
 use super::lagged_column::all;
 use super::scratch::BlockScratch;
@@ -12,6 +12,7 @@ use crate::step::sums::{PARTS, add_parts};
 use crate::step::terms::{NoiseTerms, gyroscope_deviation};
 use crate::step::wheels::{Broadcast, LaneSource, Register, accumulate_displacement, accumulate_noise, steering_error};
 use six_wheel_kinematics::kernels::wheel_lanes::GROUP;
+use six_wheel_numerics::columns::store;
 use six_wheel_numerics::error::HUGE;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::vector::Vector;

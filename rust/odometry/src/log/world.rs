@@ -1,6 +1,6 @@
 //! A register of steps in world axes, and their covariances.
 
-use super::block::{LogBlock, load, store};
+use super::block::LogBlock;
 use super::body::Sums;
 use super::in_parts;
 use super::lagged_column::{LaggedColumn, all};
@@ -11,6 +11,7 @@ use crate::propagation::fusion::bias_covariance_increment;
 use crate::step::StepConstants;
 use crate::step::sums::{PARTS, add_parts};
 use six_wheel_kinematics::kernels::wheel_lanes::GROUP;
+use six_wheel_numerics::columns::{load, store};
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::polynomials::sin_cos;
 use six_wheel_numerics::simd::vector::Vector;
