@@ -63,6 +63,22 @@ pub struct FourAxle {
     rover: Rover,
 }
 
+getters! {
+    FourAxle:
+    /// Half the distance of the pivots along and across the body [m].
+    pivots: [f64; 2];
+    /// Distance from pivot to wheel [m].
+    axle_length: f64;
+    /// Radius of the wheels [m].
+    wheel_radius: f64;
+    /// Angles an axle can take [rad].
+    steering: SteeringRange;
+    /// Side slip per distance driven up to which axle lines count as concurrent.
+    tolerance: f64;
+    /// The vehicle as a rover with four steered wheels: all pivots commanded.
+    rover: &Rover;
+}
+
 impl FourAxle {
     /// Axles of `axle_length` on pivots at `(±pivots[0], ±pivots[1])` [m].
     ///
@@ -95,36 +111,6 @@ impl FourAxle {
             axle("rear_right", -x, -1.0),
         ])?;
         Ok(Self { pivots, axle_length, wheel_radius, steering, tolerance, rover })
-    }
-
-    /// Half the distance of the pivots along and across the body [m].
-    pub fn pivots(&self) -> [f64; 2] {
-        self.pivots
-    }
-
-    /// Distance from pivot to wheel [m].
-    pub fn axle_length(&self) -> f64 {
-        self.axle_length
-    }
-
-    /// Radius of the wheels [m].
-    pub fn wheel_radius(&self) -> f64 {
-        self.wheel_radius
-    }
-
-    /// Angles an axle can take [rad].
-    pub fn steering(&self) -> SteeringRange {
-        self.steering
-    }
-
-    /// Side slip per distance driven up to which axle lines count as concurrent.
-    pub fn tolerance(&self) -> f64 {
-        self.tolerance
-    }
-
-    /// The vehicle as a rover with four steered wheels: all pivots commanded.
-    pub fn rover(&self) -> &Rover {
-        &self.rover
     }
 
     /// True if each pair is one rigid axle.

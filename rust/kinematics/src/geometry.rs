@@ -58,6 +58,18 @@ pub struct GridPlacement {
     turn: Direction,
 }
 
+getters! {
+    GridPlacement:
+    /// Distance between columns and between rows [m].
+    spacing: [f64; 2];
+    /// Position of node (0, 0) [m].
+    origin: [f64; 2];
+    /// Angle of the rows against the x axis of the world, counter-clockwise [rad].
+    yaw: f64;
+    /// Cosine and sine of [`Self::yaw`].
+    turn: Direction;
+}
+
 impl GridPlacement {
     /// Fails unless all numbers are finite and the spacing positive.
     pub fn new(spacing: [f64; 2], origin: [f64; 2], yaw: f64) -> Result<Self, Error> {
@@ -67,30 +79,6 @@ impl GridPlacement {
         finite("origin", &origin)?;
         finite("yaw", &[yaw])?;
         Ok(Self { spacing, origin, yaw, turn: Direction::from(yaw) })
-    }
-
-    /// Distance between columns and between rows [m].
-    #[inline]
-    pub fn spacing(&self) -> [f64; 2] {
-        self.spacing
-    }
-
-    /// Position of node (0, 0) [m].
-    #[inline]
-    pub fn origin(&self) -> [f64; 2] {
-        self.origin
-    }
-
-    /// Angle of the rows against the x axis of the world, counter-clockwise [rad].
-    #[inline]
-    pub fn yaw(&self) -> f64 {
-        self.yaw
-    }
-
-    /// Cosine and sine of [`Self::yaw`].
-    #[inline]
-    pub fn turn(&self) -> Direction {
-        self.turn
     }
 
     /// A point of the world [m] in numbers of columns and rows from node (0, 0).

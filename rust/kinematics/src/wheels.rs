@@ -123,9 +123,7 @@ impl Wheel {
         if self.radius < TINY {
             return Err(Error::value("radius", format!("be at least {TINY:e}"), number(self.radius)));
         }
-        let lengths =
-            [("radius", self.radius), ("x", self.x), ("y", self.y), ("scrub", self.scrub), ("trail", self.trail)];
-        for (argument, value) in lengths {
+        for (argument, value) in fields!(self: radius, x, y, scrub, trail) {
             finite(argument, &[value])?;
             if value.abs() >= HUGE {
                 return Err(Error::value(argument, format!("be smaller than {HUGE:e}"), number(value)));

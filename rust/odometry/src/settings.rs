@@ -118,13 +118,7 @@ impl Settings {
             }
             encoders.iter().try_for_each(Encoder::check)?;
         }
-        let optional = [
-            ("slip_threshold", self.slip_threshold),
-            ("max_gap", self.max_gap),
-            ("max_speed", self.max_speed),
-            ("max_steering_rate", self.max_steering_rate),
-        ];
-        for (argument, value) in optional {
+        for (argument, value) in fields!(self: slip_threshold, max_gap, max_speed, max_steering_rate) {
             if let Some(value) = value
                 && (value.is_nan() || value <= 0.0)
             {

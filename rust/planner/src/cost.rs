@@ -127,32 +127,7 @@ impl Default for Weights {
     }
 }
 
-impl Weights {
-    /// Names, in the order of the fields.
-    pub const NAMES: [&'static str; 10] =
-        ["map", "collision", "goal", "terminal", "goal_yaw", "path", "progress", "heading", "effort", "scrub"];
-
-    /// The weights by name, in this order.
-    pub fn values(&self) -> [f64; 10] {
-        [
-            self.map,
-            self.collision,
-            self.goal,
-            self.terminal,
-            self.goal_yaw,
-            self.path,
-            self.progress,
-            self.heading,
-            self.effort,
-            self.scrub,
-        ]
-    }
-
-    /// The reverse of [`Self::values`].
-    pub fn of([map, collision, goal, terminal, goal_yaw, path, progress, heading, effort, scrub]: [f64; 10]) -> Self {
-        Self { map, collision, goal, terminal, goal_yaw, path, progress, heading, effort, scrub }
-    }
-}
+array_of_fields! { Weights: map, collision, goal, terminal, goal_yaw, path, progress, heading, effort, scrub }
 
 /// The first `N` of x, y [m], cosine and sine of the heading, of some rollouts at a step of a track.
 #[inline(always)]

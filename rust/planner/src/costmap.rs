@@ -17,6 +17,18 @@ pub struct Costmap {
 /// Largest number of rows and of columns: their indices are exact in single precision.
 const MOST: usize = 1 << 22;
 
+getters! {
+    Costmap:
+    /// Costs, row after row.
+    values: &[f32];
+    /// Placement of the cells in the world.
+    placement: &GridPlacement;
+    /// Cost from which on a position is lethal.
+    lethal: Option<f64>;
+    /// Cost of every position beyond the map; without it that of the nearest position on it.
+    outside: Option<f64>;
+}
+
 impl Costmap {
     /// Fails unless there are two rows and columns at least, and every number is finite.
     pub fn new(
@@ -46,29 +58,9 @@ impl Costmap {
         Ok(Self { values, rows, columns, placement, lethal, outside })
     }
 
-    /// Costs, row after row.
-    pub fn values(&self) -> &[f32] {
-        &self.values
-    }
-
     /// Rows and columns.
     pub fn shape(&self) -> [usize; 2] {
         [self.rows, self.columns]
-    }
-
-    /// Placement of the cells in the world.
-    pub fn placement(&self) -> &GridPlacement {
-        &self.placement
-    }
-
-    /// Cost from which on a position is lethal.
-    pub fn lethal(&self) -> Option<f64> {
-        self.lethal
-    }
-
-    /// Cost of every position beyond the map; without it that of the nearest position on it.
-    pub fn outside(&self) -> Option<f64> {
-        self.outside
     }
 
     /// The cost of the cell nearest to a position.

@@ -37,6 +37,21 @@ pub struct Mppi {
     pub(crate) output: CycleOutput,
 }
 
+getters! {
+    Mppi:
+    /// State kept from cycle to cycle.
+    state: &State;
+    /// Options of the planner.
+    options: &Options;
+    /// Rover that is planned for.
+    rover: &Rover;
+    /// Standard deviation of the noise [m/s, m/s, rad/s].
+    noise: [f64; 3];
+    /// Number of cycles begun, by which a caller of [`Self::finish_cycle`] checks that the rollouts are those that it
+    /// started.
+    cycles_started: u64;
+}
+
 impl Mppi {
     /// A planner before its first cycle. Fails if an option is invalid.
     pub fn new(rover: &Rover, limits: Limits, options: Options) -> Result<Self, Error> {
@@ -94,11 +109,6 @@ impl Mppi {
         self.rover.clip_steering(&mut self.state.steering);
     }
 
-    /// State kept from cycle to cycle.
-    pub fn state(&self) -> &State {
-        &self.state
-    }
-
     /// Sets the state. Fails if its size is not that of this planner or a number is not finite.
     pub fn set_state(&mut self, state: State) -> Result<(), Error> {
         if state.controls.len() != self.options.horizon {
@@ -112,30 +122,9 @@ impl Mppi {
         Ok(())
     }
 
-    /// Options of the planner.
-    pub fn options(&self) -> &Options {
-        &self.options
-    }
-
     /// Limits of the planned motions.
     pub fn limits(&self) -> &Limits {
         &self.bounds.limits
-    }
-
-    /// Rover that is planned for.
-    pub fn rover(&self) -> &Rover {
-        &self.rover
-    }
-
-    /// Standard deviation of the noise [m/s, m/s, rad/s].
-    pub fn noise(&self) -> [f64; 3] {
-        self.noise
-    }
-
-    /// Number of cycles begun, by which a caller of [`Self::finish_cycle`] checks that the rollouts are those that it
-    /// started.
-    pub fn cycles_started(&self) -> u64 {
-        self.cycles_started
     }
 
     /// Costs of the rollouts of the last cycle.

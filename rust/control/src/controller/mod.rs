@@ -132,6 +132,24 @@ pub struct Controller {
     reasons: u32,
 }
 
+getters! {
+    Controller:
+    /// Steering angles to command now [rad].
+    steering: &[f64];
+    /// Their rates [rad/s].
+    steering_rates: &[f64];
+    /// Wheel speeds to command now [rad/s].
+    speeds: &[f64];
+    /// The motion they make.
+    twist: Twist;
+    /// Reasons why it is not the desired motion: bits of [`reason`].
+    reasons: u32;
+    /// The limits as they were given.
+    limits: &Limits;
+    /// The options it was made with.
+    options: &Options;
+}
+
 impl Controller {
     /// A controller at rest, the joints at `steering` [rad], or at the first measured angles, or at 0.
     ///
@@ -295,31 +313,6 @@ impl Controller {
         finite.then(|| Goal::new(rover, &self.filled, &mut self.scratch, modes, period, twist)).flatten()
     }
 
-    /// Steering angles to command now [rad].
-    pub fn steering(&self) -> &[f64] {
-        &self.steering
-    }
-
-    /// Their rates [rad/s].
-    pub fn steering_rates(&self) -> &[f64] {
-        &self.steering_rates
-    }
-
-    /// Wheel speeds to command now [rad/s].
-    pub fn speeds(&self) -> &[f64] {
-        &self.speeds
-    }
-
-    /// The motion they make.
-    pub fn twist(&self) -> Twist {
-        self.twist
-    }
-
-    /// Reasons why it is not the desired motion: bits of [`reason`].
-    pub fn reasons(&self) -> u32 {
-        self.reasons
-    }
-
     /// Share of the desired speed that the limits allow: 1 if none of them is active.
     pub fn speed_share(&self) -> f64 {
         self.command.map_or(1.0, |command| command.goal.share)
@@ -333,16 +326,6 @@ impl Controller {
     /// Time of the last step [s].
     pub fn now(&self) -> Option<f64> {
         self.clock
-    }
-
-    /// The limits as they were given.
-    pub fn limits(&self) -> &Limits {
-        &self.limits
-    }
-
-    /// The options it was made with.
-    pub fn options(&self) -> &Options {
-        &self.options
     }
 
     /// Upper bound of the distance that the body's origin travels until rest [m], if a stop begins with the next step

@@ -87,7 +87,7 @@ impl Options {
         }
         positive("max_step", self.max_step)?;
         positive("align_tolerance", self.align_tolerance)?;
-        for (name, value) in [("following_error", self.following_error), ("following_time", self.following_time)] {
+        for (name, value) in fields!(self: following_error, following_time) {
             value.map_or(Ok(()), |value| positive(name, value))?;
         }
         if let Some(period) = self.period {

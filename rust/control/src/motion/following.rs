@@ -1,7 +1,7 @@
 //! Following errors of the steering joints over time.
 
 /// Measurements of the steering joints against their commands.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Following {
     /// Measured angle less last command [rad]; valid if `measured`.
     pub errors: Vec<f64>,
@@ -18,13 +18,7 @@ pub struct Following {
 impl Following {
     /// Nothing is measured yet.
     pub fn new(joints: usize) -> Self {
-        Self {
-            errors: vec![0.0; joints],
-            measured: false,
-            beyond: vec![None; joints],
-            holds: vec![None; joints],
-            stuck: None,
-        }
+        Self { errors: vec![0.0; joints], beyond: vec![None; joints], holds: vec![None; joints], ..Self::default() }
     }
 
     /// Clears all measurements.

@@ -29,33 +29,22 @@ pub struct IcrLimits {
     pub angular_acceleration: f64,
 }
 
+array_of_fields! {
+    IcrLimits:
+    steering_rate, steering_acceleration, steering_jerk, wheel_speed, wheel_acceleration, acceleration,
+    angular_acceleration
+}
+
 impl Default for IcrLimits {
     fn default() -> Self {
-        Self {
-            steering_rate: f64::INFINITY,
-            steering_acceleration: f64::INFINITY,
-            steering_jerk: f64::INFINITY,
-            wheel_speed: f64::INFINITY,
-            wheel_acceleration: f64::INFINITY,
-            acceleration: f64::INFINITY,
-            angular_acceleration: f64::INFINITY,
-        }
+        Self::of([f64::INFINITY; Self::NAMES.len()])
     }
 }
 
 impl IcrLimits {
     /// Fails unless every limit is positive, and that of the steering rate finite.
     pub fn check(&self) -> Result<(), Error> {
-        let limits = [
-            ("steering_rate", self.steering_rate),
-            ("steering_acceleration", self.steering_acceleration),
-            ("steering_jerk", self.steering_jerk),
-            ("wheel_speed", self.wheel_speed),
-            ("wheel_acceleration", self.wheel_acceleration),
-            ("acceleration", self.acceleration),
-            ("angular_acceleration", self.angular_acceleration),
-        ];
-        for (argument, limit) in limits {
+        for (argument, limit) in Self::NAMES.into_iter().zip(self.values()) {
             if limit.is_nan() || limit <= 0.0 {
                 return Err(Error::value(argument, "be positive", number(limit)));
             }

@@ -24,6 +24,16 @@ pub struct IcrTransition {
     duration: f64,
 }
 
+getters! {
+    IcrTransition:
+    /// Duration [s].
+    duration: f64;
+    /// The phases in the order of time, each with its reason.
+    phases: &[Phase];
+    /// The rover it is for.
+    rover: &Rover;
+}
+
 impl IcrTransition {
     /// Plans the transition; `previous` are the steering angles at the start, default the nearest to 0.
     pub fn new(
@@ -49,25 +59,10 @@ impl IcrTransition {
         Ok(Self { rover: rover.clone(), phases: plan.phases, duration: plan.duration })
     }
 
-    /// Duration [s].
-    pub fn duration(&self) -> f64 {
-        self.duration
-    }
-
-    /// The phases in the order of time, each with its reason.
-    pub fn phases(&self) -> &[Phase] {
-        &self.phases
-    }
-
     /// Number of phases that bring the rover to rest.
     pub fn stops(&self) -> usize {
         let is_stop = |phase: &&Phase| phase.action == Action::Stop;
         self.phases.iter().filter(is_stop).count()
-    }
-
-    /// The rover it is for.
-    pub fn rover(&self) -> &Rover {
-        &self.rover
     }
 
     /// Twist and wheels at a time [s]: before the start those of the start, after the end those of the end.

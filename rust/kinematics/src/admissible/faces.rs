@@ -78,9 +78,8 @@ pub(crate) fn components(keep: Keep) -> &'static [usize] {
 impl Faces {
     pub fn new(rover: &RoverData, cone: &AdmissibleCone) -> Self {
         let size = Cholesky::new(rover.metric).map_or_else(Matrix3::identity, |factor| factor.l().transpose());
-        let all = [Keep::Curvature, Keep::Speed, Keep::YawRate, Keep::Nearest];
         Self {
-            kept: all.map(|keep| faces(rover, cone, &size, keep)),
+            kept: Keep::ALL.map(|keep| faces(rover, cone, &size, keep)),
             size: [0, 1, 2].map(|i| size.row(i).transpose().into()),
         }
     }

@@ -47,22 +47,11 @@ pub enum Quantity {
     RollerAngle,
 }
 
-impl Quantity {
-    /// All quantities in their order.
-    pub const ALL: [Self; 12] = [
-        Self::Speed,
-        Self::Steering,
-        Self::SteeringRate,
-        Self::Slip,
-        Self::SideSlip,
-        Self::X,
-        Self::Y,
-        Self::Heading,
-        Self::Radius,
-        Self::Scrub,
-        Self::Trail,
-        Self::RollerAngle,
-    ];
+named_values! {
+    Quantity as "quantities":
+    "wheel_speeds" => Speed, "steering" => Steering, "steering_rates" => SteeringRate, "slip" => Slip,
+    "side_slip" => SideSlip, "x" => X, "y" => Y, "heading" => Heading, "radius" => Radius, "scrub" => Scrub,
+    "trail" => Trail, "roller_angle" => RollerAngle
 }
 
 /// RowDerivative of a wheel's rows and right-hand sides per unit of a quantity.

@@ -54,12 +54,7 @@ impl Gyroscope {
     /// Fails unless every number is finite and no deviation negative.
     pub fn check(&self) -> Result<(), Error> {
         finite("bias", &[self.bias])?;
-        let deviations = [
-            ("noise", self.noise),
-            ("bias_noise", self.bias_noise),
-            ("bias_walk", self.bias_walk),
-            ("scale_noise", self.scale_noise),
-        ];
+        let deviations = fields!(self: noise, bias_noise, bias_walk, scale_noise);
         deviations.into_iter().try_for_each(|(argument, value)| not_negative(argument, value))
     }
 }

@@ -47,14 +47,7 @@ impl Noise {
 
     /// Fails unless every number is finite and not negative, and the period positive.
     pub fn check(&self) -> Result<(), Error> {
-        let deviations = [
-            ("speed", self.speed),
-            ("steering", self.steering),
-            ("slip", self.slip),
-            ("side_slip", self.side_slip),
-            ("yaw", self.yaw),
-            ("yaw_rate", self.yaw_rate),
-        ];
+        let deviations = fields!(self: speed, steering, slip, side_slip, yaw, yaw_rate);
         deviations.into_iter().try_for_each(|(argument, value)| not_negative(argument, value))?;
         self.period.map_or(Ok(()), |period| positive("period", period))
     }
