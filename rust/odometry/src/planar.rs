@@ -6,7 +6,6 @@
 
 mod correct;
 mod direct;
-mod rows;
 mod update;
 mod whole_logs;
 
@@ -98,6 +97,18 @@ pub struct Odometry {
     pub(crate) skipped: SkippedRows,
 }
 
+getters! {
+    Odometry:
+    /// The rover.
+    rover: &Rover;
+    /// The settings.
+    settings: &Settings;
+    /// Speed at which each wheel's contact slid over the last step [m/s].
+    residual: &[f64];
+    /// Flags of the last sample.
+    health: Health;
+}
+
 impl Odometry {
     /// At the origin, without a sample.
     pub fn new(rover: Rover, settings: Settings) -> Result<Self, Error> {
@@ -131,18 +142,6 @@ impl Odometry {
             rover,
             settings,
         })
-    }
-
-    /// The rover.
-    #[inline]
-    pub fn rover(&self) -> &Rover {
-        &self.rover
-    }
-
-    /// The settings.
-    #[inline]
-    pub fn settings(&self) -> &Settings {
-        &self.settings
     }
 
     /// Chooses the instructions of single samples: of a level with at most four numbers in a register, by default the best
@@ -206,22 +205,10 @@ impl Odometry {
         [pose.into(), twist]
     }
 
-    /// Speed at which each wheel's contact slid over the last step [m/s].
-    #[inline]
-    pub fn residual(&self) -> &[f64] {
-        &self.residual
-    }
-
     /// Weight of each wheel over the last step, 0 to 1.
     #[inline]
     pub fn weights(&self) -> &[f64] {
         &self.work.fit.weights
-    }
-
-    /// Flags of the last sample.
-    #[inline]
-    pub fn health(&self) -> Health {
-        self.health
     }
 
     /// Time of the last sample, or end of the last command [s]; None before the first one.

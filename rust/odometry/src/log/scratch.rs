@@ -59,12 +59,6 @@ impl BlockScratch {
         })
     }
 
-    /// Largest number of rows of a block.
-    #[inline]
-    pub fn rows(&self) -> usize {
-        BLOCK
-    }
-
     /// Angles of the joints after a step [rad].
     #[inline]
     pub fn angles(&self, row: usize) -> &[f64] {
