@@ -22,7 +22,7 @@ impl RoverLimits {
         }
         let size = rover.size;
         let angle = |row: &[f64]| (-row[0] * size).atan2(row[1]).rem_euclid(PI);
-        let others: Vec<Vec<f64>> = rover.banks().iter().skip(1).map(|bank| self.row(bank.row.into())).collect();
+        let others: Vec<Vec<f64>> = rover.banks.iter().skip(1).map(|bank| self.row(bank.row.into())).collect();
         // A further side-slip row leaves at most one direction.
         if let Some(first) = others.iter().find(|row| row.iter().any(|part| part.abs() > ROUNDING)) {
             let only = direction(angle(first), size);

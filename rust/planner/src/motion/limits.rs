@@ -5,10 +5,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::steered_joint::{SteeredJoint, window};
-use crate::numbers::squares::{Form, ROUNDING, needed, product, square};
+use crate::numbers::squares::{Form, ROUNDING, needed, pairs, product, square};
 use six_wheel_control::controller::Limits;
 use six_wheel_kinematics::geometry::Direction;
 use six_wheel_kinematics::rover::{Mount, Rover};
@@ -42,7 +42,7 @@ pub enum ImmobileReason {
 }
 
 /// The rover within its limits, as numbers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct RoverLimits {
     /// Number of components.
     pub free: usize,
@@ -82,17 +82,16 @@ impl RoverLimits {
         let mut bounds = Self::components(rover, limits);
         bounds.wheels(rover);
         bounds.directions(rover);
-        bounds.scaling = needed(std::mem::take(&mut bounds.scaling), bounds.free);
-        bounds.speeding = needed(std::mem::take(&mut bounds.speeding), bounds.free);
-        bounds.slowing = needed(std::mem::take(&mut bounds.slowing), bounds.free);
-        bounds.slips = needed(std::mem::take(&mut bounds.slips), bounds.free);
+        for forms in [&mut bounds.scaling, &mut bounds.speeding, &mut bounds.slowing, &mut bounds.slips] {
+            *forms = needed(std::mem::take(forms), bounds.free);
+        }
         Ok(bounds)
     }
 
     /// The components, and the constants that follow from them alone.
     fn components(rover: &Rover, limits: Limits) -> Self {
         let (mut heading, mut sideways) = (0.0, 0.0);
-        let body = match rover.banks().first() {
+        let body = match rover.banks.first() {
             None => vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             Some(bank) => {
                 let row = if bank.row.y < 0.0 { -bank.row } else { bank.row };
@@ -108,26 +107,16 @@ impl RoverLimits {
             heading,
             sideways,
             lengths: if free == 2 { vec![1.0, rover.size] } else { vec![1.0, 1.0, rover.size] },
-            metric: Vec::new(),
             body,
-            joints: Vec::new(),
-            gaps: Vec::new(),
-            inside: None,
-            scaling: Vec::new(),
-            speeding: Vec::new(),
-            slowing: Vec::new(),
-            slips: Vec::new(),
             limits,
-            stuck: None,
+            ..Self::default()
         };
-        let metric: Matrix3<f64> = rover.metric;
-        for i in 0..free {
-            for j in i..free {
-                let [a, b] = [i, j].map(|k| Vector3::from(bounds.body[k]));
-                let twice = if i == j { 1.0 } else { 2.0 };
-                bounds.metric.push(twice * a.dot(&(metric * b)));
-            }
-        }
+        let metric = |(i, j): (usize, usize)| {
+            let [a, b] = [i, j].map(|k| Vector3::from(bounds.body[k]));
+            let twice = if i == j { 1.0 } else { 2.0 };
+            twice * a.dot(&(rover.metric * b))
+        };
+        bounds.metric = pairs(free).map(metric).collect();
         let [vx, vy, yaw] = [0, 1, 2].map(|k| bounds.row([f64::from(k == 0), f64::from(k == 1), f64::from(k == 2)]));
         let linear = |limit: f64| product(&[&vx, &vy], 1.0 / (limit * limit));
         let turning = |limit: f64| product(&[&yaw], 1.0 / (limit * limit));

@@ -13,7 +13,7 @@ pub(crate) struct Wheel<R, const M: usize> {
 
 impl<R: Float, const M: usize> Wheel<R, M> {
     fn of(joint: &SteeredJoint) -> Self {
-        Self { along: row(&joint.along), across: row(&joint.across) }
+        Self { along: scaled(&joint.along, 1.0), across: scaled(&joint.across, 1.0) }
     }
 }
 
@@ -60,26 +60,19 @@ pub(crate) struct Model<R, const M: usize> {
     pub(crate) dt: f64,
 }
 
-fn form<R: Float>(form: &[f64], factor: f64) -> [R; 6] {
-    let mut coefficients = [R::default(); 6];
-    for (to, from) in coefficients.iter_mut().zip(form) {
+/// Numbers in this precision, times a factor; 0 beyond their end.
+fn scaled<R: Float, const N: usize>(from: &[f64], factor: f64) -> [R; N] {
+    let mut numbers = [R::default(); N];
+    for (to, from) in numbers.iter_mut().zip(from) {
         *to = R::from_f64(from * factor);
     }
-    coefficients
-}
-
-fn row<R: Float, const M: usize>(from: &[f64]) -> [R; M] {
-    let mut row = [R::default(); M];
-    for (to, from) in row.iter_mut().zip(from) {
-        *to = R::from_f64(*from);
-    }
-    row
+    numbers
 }
 
 impl<R: Float, const M: usize> Model<R, M> {
     pub fn new(bounds: &RoverLimits, dt: f64) -> Self {
         let limits = &bounds.limits;
-        let forms = |forms: &[Form], factor: f64| forms.iter().map(|one| form(one, factor)).collect();
+        let forms = |forms: &[Form], factor: f64| forms.iter().map(|one| scaled(one, factor)).collect();
         let speeding: Vec<[R; 6]> = forms(&bounds.speeding, 1.0 / (dt * dt));
         let turn = limits.steering_rate * dt;
         let per_turn = (turn.is_finite() && !bounds.joints.is_empty())
@@ -87,7 +80,7 @@ impl<R: Float, const M: usize> Model<R, M> {
         let pair = |ends: [[f64; 2]; 2]| ends.map(|end| end.map(R::from_f64));
         let gap = |gap: &DirectionGap| (pair(gap.ends), pair(gap.shares), gap.per_length.map(R::from_f64));
         let projection = bounds.inside.as_ref().map(|inside| ProjectionDirection {
-            inside: row(inside),
+            inside: scaled(inside, 1.0),
             ranges: bounds
                 .joints
                 .iter()
@@ -113,8 +106,8 @@ impl<R: Float, const M: usize> Model<R, M> {
             per_turn,
             gaps: bounds.gaps.iter().map(gap).collect(),
             projection,
-            metric: form(&bounds.metric, 1.0),
-            lengths: row(&bounds.lengths),
+            metric: scaled(&bounds.metric, 1.0),
+            lengths: scaled(&bounds.lengths, 1.0),
             scaling: forms(&bounds.scaling, 1.0),
             lateral: limits.lateral_acceleration.is_finite().then(|| R::from_f64(1.0 / limits.lateral_acceleration)),
             speeding,

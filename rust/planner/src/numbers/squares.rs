@@ -10,45 +10,34 @@ const MANY: usize = 16;
 /// A quadratic form of a motion: coefficients of the products of components, `00 01 02 11 12 22`.
 pub(crate) type Form = Vec<f64>;
 
+/// Indices of the components of each coefficient of a form of `n` components.
+pub(crate) fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..n).flat_map(move |i| (i..n).map(move |j| (i, j)))
+}
+
 /// The product of two rows as a form.
 pub(crate) fn product(rows: &[&[f64]], factor: f64) -> Form {
-    let n = rows[0].len();
-    let mut form = Vec::new();
-    for i in 0..n {
-        for j in i..n {
-            let twice = if i == j { 1.0 } else { 2.0 };
-            form.push(rows.iter().map(|row| twice * factor * row[i] * row[j]).sum());
-        }
-    }
-    form
+    let coefficient = |(i, j): (usize, usize)| {
+        let twice = if i == j { 1.0 } else { 2.0 };
+        rows.iter().map(|row| twice * factor * row[i] * row[j]).sum()
+    };
+    pairs(rows[0].len()).map(coefficient).collect()
 }
 
 /// The matrix of a form.
 fn matrix(form: &[f64], n: usize) -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(n, n);
-    let mut k = 0;
-    for i in 0..n {
-        for j in i..n {
-            let value = if i == j { form[k] } else { form[k] / 2.0 };
-            (matrix[(i, j)], matrix[(j, i)]) = (value, value);
-            k += 1;
-        }
+    for ((i, j), part) in pairs(n).zip(form) {
+        let value = if i == j { *part } else { part / 2.0 };
+        (matrix[(i, j)], matrix[(j, i)]) = (value, value);
     }
     matrix
 }
 
 /// The value of a form.
 pub(crate) fn square(form: &[f64], motion: &[f64]) -> f64 {
-    let n = motion.len();
-    let mut k = 0;
-    let mut sum = 0.0;
-    for i in 0..n {
-        for j in i..n {
-            sum += form[k] * motion[i] * motion[j];
-            k += 1;
-        }
-    }
-    sum
+    let parts = pairs(motion.len()).zip(form).map(|((i, j), part)| part * motion[i] * motion[j]);
+    parts.fold(0.0, |sum, part| sum + part)
 }
 
 /// The forms without those that are nowhere larger than another one or than the mean of two others: they are never the
@@ -72,9 +61,8 @@ pub(crate) fn needed(forms: Vec<Form>, n: usize) -> Vec<Form> {
     let mut k = 0;
     while k < kept.len() && kept.len() <= MANY {
         let form = kept.swap_remove(k);
-        let pairs = kept.iter().enumerate();
-        let mut pairs = pairs.flat_map(|(i, a)| kept[..i].iter().map(move |b| mean(a, b)));
-        if !pairs.any(|mean| covers(&mean, &form)) {
+        let mut means = kept.iter().enumerate().flat_map(|(i, a)| kept[..i].iter().map(move |b| mean(a, b)));
+        if !means.any(|mean| covers(&mean, &form)) {
             kept.push(form);
             let last = kept.len() - 1;
             kept.swap(k, last);
