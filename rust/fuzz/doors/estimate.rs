@@ -1,9 +1,9 @@
 //! Any rover, any twists and readings, every kernel: no panic, finite answers, and the levels agree.
 
 use six_wheel_kinematics::batch;
-use six_wheel_kinematics::estimate::{Measured, Method, Unseen};
+use six_wheel_kinematics::estimate::{Measured, Method, Readings, Unseen};
 use six_wheel_kinematics::geometry::Twist;
-use six_wheel_kinematics::table::{InputTables, Readings, Table};
+use six_wheel_kinematics::table::{InputTables, Table};
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::threads::workers::Workers;
 

@@ -85,22 +85,22 @@ fn one_call_takes_no_memory() -> Result<(), Error> {
         for inputs in [Inputs::default(), inputs] {
             let plain = || rover.inverse(TWIST, inputs, &mut steering, &mut speeds);
             assert_eq!(taken(plain), 0);
-            let quick = || batch::inverse_one(&rover, TWIST, inputs, &mut steering, &mut speeds);
+            let quick = || rover.inverse(TWIST, inputs, &mut steering, &mut speeds);
             assert_eq!(taken(quick), 0);
         }
-        batch::inverse_one(&rover, TWIST, inputs, &mut steering, &mut speeds)?;
+        rover.inverse(TWIST, inputs, &mut steering, &mut speeds)?;
         let measured = Measured { steering: &steering, speeds: &speeds, steering_rates: None };
         assert_eq!(taken(|| rover.forward(measured, Unseen::Refuse)), 0);
-        assert_eq!(taken(|| batch::forward_one(&rover, measured, Unseen::Refuse)), 0);
+        assert_eq!(taken(|| rover.forward(measured, Unseen::Refuse)), 0);
         let (mut residual, mut weights) = (vec![0.0; wheels], vec![0.0; wheels]);
         for method in [Method::LeastSquares, Method::Robust] {
             let fit = || rover.fit(measured, method, Unseen::Refuse, &mut residual, &mut weights);
             assert_eq!(taken(fit), 0, "{method:?}");
         }
         assert_eq!(taken(|| rover.check(TWIST, None)), 0);
-        assert_eq!(taken(|| batch::admissible_one(&rover, TWIST)), 0);
+        assert_eq!(taken(|| rover.admissible(TWIST)), 0);
         assert_eq!(taken(|| rover.project(TWIST, Keep::Curvature)), 0);
-        assert_eq!(taken(|| batch::project_one(&rover, TWIST, Keep::Curvature)), 0);
+        assert_eq!(taken(|| rover.project(TWIST, Keep::Curvature)), 0);
     }
     Ok(())
 }

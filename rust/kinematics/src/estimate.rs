@@ -7,7 +7,7 @@ pub mod sensitivity;
 
 use nalgebra::{Matrix3, Vector3};
 
-pub use self::readings::{Fit, Measured, Method, Reading, Unseen};
+pub use self::readings::{Fit, Measured, Method, Reading, Readings, Unseen};
 use crate::geometry::Direction;
 use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
 use crate::wheels::Pivot;

@@ -89,7 +89,7 @@ impl Rover {
                 // Mobility depends on axles that are parallel or not; an estimate lets nearly parallel ones
                 // share their rows.
                 Mount::Fixed(rows) => {
-                    let bank = self.banks().iter().find(|bank| bank.wheels.contains(&i));
+                    let bank = self.banks.iter().find(|bank| bank.wheels.contains(&i));
                     fixed.push(bank.map_or(rows.side_slip, |bank| bank.row));
                 }
                 Mount::Castor(_) => {}

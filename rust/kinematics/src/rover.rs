@@ -15,7 +15,6 @@ use crate::inverse::constants::InverseConstants;
 use crate::kernels::fit::{FitConstants, Fits};
 use crate::kernels::normal_equations::ForwardConstants;
 pub use crate::rover_data::{Bank, Inputs, MAX_WHEELS, Mount, RoverData};
-use crate::table::Log;
 use crate::units;
 use crate::wheels::Wheel;
 use six_wheel_numerics::error::Error;
@@ -172,14 +171,11 @@ impl Rover {
         residual: &mut [f64],
         weights: &mut [f64],
     ) -> Result<Fit, Error> {
-        let Measured { steering, speeds, steering_rates } = measured;
         let (mut twists, mut ranks, mut sigmas) = ([[0.0; 3]], [0], [0.0]);
         let mut fits = Fits { twists: &mut twists, ranks: &mut ranks, sigmas: &mut sigmas, residual, weights };
         let level = self.forward_constants.level;
         let constants = self.fit_constants(method, unseen);
-        constants
-            .fit(level, &self.data, Log { steering, speeds, steering_rates }, &mut fits)
-            .map_err(|error| Error { row: None, ..error })?;
+        constants.fit(level, &self.data, measured, &mut fits).map_err(|error| Error { row: None, ..error })?;
         let ([twist], [rank], [sigma_min]) = (twists, ranks, sigmas);
         Ok(Fit { twist: twist.into(), rank: rank as usize, sigma_min })
     }

@@ -51,7 +51,7 @@ pub struct RoverData {
     steered: Vec<usize>,
     /// Constants of every wheel, by its kind.
     pub mounts: Vec<Mount>,
-    /// Groups of fixed wheels with parallel axles.
+    /// Groups of fixed wheels with parallel axles: the lines on which they allow the centre of rotation.
     pub banks: Vec<Bank>,
     /// Mean of the pivots [m], about which the twist is estimated.
     pub centre: Vector2<f64>,
@@ -138,23 +138,26 @@ impl RoverData {
             *angle = self.wheels[i].steering().unwrap_or_default().clip(*angle);
         }
     }
-
-    /// The lines on which the fixed wheels allow the centre of rotation.
-    #[inline]
-    pub fn banks(&self) -> &[Bank] {
-        &self.banks
-    }
 }
 
 /// Optional inputs of the inverse beside the twist, one value per steered wheel or per wheel.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Inputs<'a> {
+#[derive(Clone, Copy, Debug)]
+pub struct OptionalInputs<T> {
     /// Present steering angles [rad]: held by wheels at rest, and nearest to these of equivalent angles. Default 0.
-    pub previous: Option<&'a [f64]>,
+    pub previous: Option<T>,
     /// Present wheel speeds [rad/s]: their signs decide direction ties. Default 0.
-    pub previous_speeds: Option<&'a [f64]>,
+    pub previous_speeds: Option<T>,
     /// Rates of the steering angles [rad/s]; they matter to wheels with scrub or trail. Default 0.
-    pub steering_rates: Option<&'a [f64]>,
+    pub steering_rates: Option<T>,
+}
+
+/// Inputs of one row, or of many, row after row.
+pub type Inputs<'a> = OptionalInputs<&'a [f64]>;
+
+impl<T> Default for OptionalInputs<T> {
+    fn default() -> Self {
+        Self { previous: None, previous_speeds: None, steering_rates: None }
+    }
 }
 
 impl Inputs<'_> {

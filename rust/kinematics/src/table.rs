@@ -4,9 +4,9 @@
 use std::fmt;
 use std::ops::Range;
 
-use crate::estimate::Measured;
+use crate::estimate::Readings;
 use crate::geometry::{Steps, wrong_steps};
-use crate::rover_data::{Inputs, RoverData};
+use crate::rover_data::{Inputs, OptionalInputs, RoverData};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::sizes;
 
@@ -89,15 +89,7 @@ impl<'a, const N: usize> From<&'a Vec<[f64; N]>> for Table<'a> {
 }
 
 /// [`Inputs`] of a batch.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct InputTables<'a> {
-    /// Present steering angles [rad].
-    pub previous: Option<Table<'a>>,
-    /// Present wheel speeds [rad/s].
-    pub previous_speeds: Option<Table<'a>>,
-    /// Rates of the steering angles [rad/s].
-    pub steering_rates: Option<Table<'a>>,
-}
+pub type InputTables<'a> = OptionalInputs<Table<'a>>;
 
 impl<'a> From<Inputs<'a>> for InputTables<'a> {
     fn from(inputs: Inputs<'a>) -> Self {
@@ -110,28 +102,9 @@ impl<'a> From<Inputs<'a>> for InputTables<'a> {
 }
 
 /// Readings of many instants, row after row.
-#[derive(Clone, Copy, Debug)]
-pub struct Log<'a> {
-    /// Steering angles [rad], one row of steered wheels per instant.
-    pub steering: &'a [f64],
-    /// Wheel speeds [rad/s], one row of wheels per instant.
-    pub speeds: &'a [f64],
-    /// Steering rates [rad/s].
-    pub steering_rates: Option<&'a [f64]>,
-}
+pub type Log<'a> = Readings<&'a [f64]>;
 
-/// A [`Log`] whose columns may have to be read.
-#[derive(Clone, Copy, Debug)]
-pub struct Readings<'a> {
-    /// Steering angles [rad], one row of steered wheels per instant.
-    pub steering: Table<'a>,
-    /// Wheel speeds [rad/s], one row of wheels per instant.
-    pub speeds: Table<'a>,
-    /// Steering rates [rad/s].
-    pub steering_rates: Option<Table<'a>>,
-}
-
-impl<'a> From<Log<'a>> for Readings<'a> {
+impl<'a> From<Log<'a>> for Readings<Table<'a>> {
     fn from(log: Log<'a>) -> Self {
         Self {
             steering: Table::Flat(log.steering),
@@ -221,13 +194,8 @@ impl<'a> Log<'a> {
     }
 
     /// The readings of one row.
-    pub fn row(&self, rover: &RoverData, k: usize) -> Measured<'a> {
-        let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
-        Measured {
-            steering: row(self.steering, joints, k),
-            speeds: row(self.speeds, wheels, k),
-            steering_rates: self.steering_rates.map(|rates| row(rates, joints, k)),
-        }
+    pub fn row(&self, rover: &RoverData, k: usize) -> Self {
+        self.rows(rover, k..k + 1)
     }
 }
 

@@ -61,7 +61,7 @@ fn inverse_one(drive: &Drive) -> Result<(), Error> {
     let (mut steering, mut speeds) = ([0.0; 4], [0.0; 6]);
     for _ in 0..RUNS {
         let twist = black_box(TWIST);
-        batch::inverse_one(&drive.rover, twist, Inputs::default(), &mut steering, &mut speeds)?;
+        drive.rover.inverse(twist, Inputs::default(), &mut steering, &mut speeds)?;
     }
     Ok(())
 }
@@ -71,7 +71,7 @@ fn forward_one(drive: &Drive) -> Result<(), Error> {
     for _ in 0..RUNS {
         let measured =
             Measured { steering: black_box(&drive.steering[..4]), speeds: &drive.speeds[..6], steering_rates: None };
-        black_box(batch::forward_one(&drive.rover, measured, Unseen::Refuse)?);
+        black_box(drive.rover.forward(measured, Unseen::Refuse)?);
     }
     Ok(())
 }
@@ -79,7 +79,7 @@ fn forward_one(drive: &Drive) -> Result<(), Error> {
 #[inline(never)]
 fn admissible_one(drive: &Drive) -> Result<(), Error> {
     for _ in 0..RUNS {
-        black_box(batch::admissible_one(&drive.rover, black_box(TWIST))?);
+        black_box(drive.rover.admissible(black_box(TWIST))?);
     }
     Ok(())
 }
@@ -88,7 +88,7 @@ fn admissible_one(drive: &Drive) -> Result<(), Error> {
 fn project_one(drive: &Drive) -> Result<(), Error> {
     let beyond = Twist { omega: 3.0, ..TWIST };
     for _ in 0..RUNS {
-        black_box(batch::project_one(&drive.rover, black_box(beyond), Keep::Nearest)?);
+        black_box(drive.rover.project(black_box(beyond), Keep::Nearest)?);
     }
     Ok(())
 }

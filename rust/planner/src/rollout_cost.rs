@@ -203,7 +203,7 @@ impl Kernel for RolloutCostKernel<'_> {
         for first in (0..rollouts).step_by(S::F64_LANES) {
             let mut demands = WheelDemands {
                 plan: self.plan,
-                banks: self.rover.banks(),
+                banks: &self.rover.banks,
                 held: [simd.splat_f64s(0.0); MAX_WHEELS],
                 counts: self.previous.is_some(),
                 worst: [zero; 4],

@@ -346,5 +346,5 @@ fn for_each_row<const N: usize>(
 /// x_R [m]. The unsteered wheels are parallel: one bank, whose row is that of their mean axle. If all wheels steer, it
 /// is 0.
 fn icr_offset(rover: &Rover) -> f64 {
-    rover.banks().first().map_or(0.0, |bank| 0.0 - bank.row.z) // not minus zero
+    rover.banks.first().map_or(0.0, |bank| 0.0 - bank.row.z) // not minus zero
 }

@@ -72,7 +72,7 @@ impl TransitionPlanner<'_> {
         let least = self.least_turning(&plan.angles, end) / self.limits.steering_rate;
         let good = |found: &PhaseList| found.duration - plan.duration <= LONG * least;
         let why = match direct {
-            Ok(found) if good(&found) || !self.rover.banks().is_empty() => return Ok(found),
+            Ok(found) if good(&found) || !self.rover.banks.is_empty() => return Ok(found),
             Ok(found) => {
                 let around = self.detour(&plan, start, end);
                 let faster = around.filter(|around| around.duration < found.duration);
@@ -105,7 +105,7 @@ impl TransitionPlanner<'_> {
 
     /// Two chords in place of one, for a rover whose centre of rotation may be anywhere; None if no detour is better.
     fn detour(&self, plan: &PhaseList, start: Twist, end: Twist) -> Option<PhaseList> {
-        if !self.rover.banks().is_empty() {
+        if !self.rover.banks.is_empty() {
             return None;
         }
         let size = Vector3::new(1.0, 1.0, self.rover.size);

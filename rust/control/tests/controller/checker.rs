@@ -41,7 +41,7 @@ impl Checker<'_> {
         for speed in speeds {
             self.demand("wheel speed", speed.abs(), self.limits.wheel_speed, 1e-12);
         }
-        for bank in self.rover.banks() {
+        for bank in &self.rover.banks {
             let row = bank.row;
             let slip = row.x * twist.vx + row.y * twist.vy + row.z * twist.omega;
             let slip = slip.abs();

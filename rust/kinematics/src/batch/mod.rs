@@ -24,16 +24,15 @@
 mod maps;
 pub mod poses;
 mod rows;
-mod single;
 mod singly;
 mod twists;
 
+pub use crate::estimate::Readings;
 pub use crate::kernels::fit::Fits;
-pub use crate::table::{Durations, InputTables, Log, Readings, Source, Table};
+pub use crate::table::{Durations, InputTables, Log, Source, Table};
 pub use maps::{Map, differentiate, map};
 pub use poses::integrate;
 pub use rows::{forward, inverse};
-pub use single::{admissible_one, forward_one, inverse_one, project_one};
 pub use singly::{fill, fit, sensitivity};
 pub use six_wheel_numerics::places::Places;
 pub use six_wheel_numerics::simd::level::Level;

@@ -4,12 +4,12 @@
 use std::ops::Range;
 
 use super::BLOCK_ROWS;
-use crate::estimate::Unseen;
+use crate::estimate::{Readings, Unseen};
 use crate::geometry::Twist;
 use crate::inverse::rows;
 use crate::rover::Rover;
 use crate::rover_data::Inputs;
-use crate::table::{InputTables, Log, Readings, Table};
+use crate::table::{InputTables, Log, Table};
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::level::Level;
 use six_wheel_numerics::stream::is_large;
@@ -133,7 +133,7 @@ pub fn inverse<'a>(
 struct Reports<'a> {
     rover: &'a Rover,
     level: Level,
-    readings: Readings<'a>,
+    readings: Readings<Table<'a>>,
     unseen: Unseen,
     /// True if the outputs are written past the caches.
     non_temporal: bool,
@@ -174,7 +174,7 @@ impl<'a> Reports<'a> {
 /// [`Rover::forward`] of every row of a log.
 pub fn forward<'a>(
     rover: &'a Rover,
-    readings: impl Into<Readings<'a>>,
+    readings: impl Into<Readings<Table<'a>>>,
     unseen: Unseen,
     twists: &mut [[f64; 3]],
     workers: Workers,

@@ -63,16 +63,19 @@ impl Reading {
     };
 }
 
-/// Readings of the wheels at one instant.
+/// Readings of the wheels at one instant, or at many, row after row.
 #[derive(Clone, Copy, Debug)]
-pub struct Measured<'a> {
+pub struct Readings<T> {
     /// Angles of the steered wheels [rad].
-    pub steering: &'a [f64],
+    pub steering: T,
     /// Speeds of all wheels [rad/s]. NaN where a passive wheel has no encoder.
-    pub speeds: &'a [f64],
+    pub speeds: T,
     /// Rates of the steered wheels [rad/s]; they matter to wheels with scrub or trail.
-    pub steering_rates: Option<&'a [f64]>,
+    pub steering_rates: Option<T>,
 }
+
+/// Readings of the wheels at one instant.
+pub type Measured<'a> = Readings<&'a [f64]>;
 
 impl Measured<'_> {
     /// True if every wheel has a reading.

@@ -70,7 +70,7 @@ proptest! {
             prop_assert_eq!(&steering[4 * k..4 * k + 4], &angles);
             prop_assert_eq!(&speeds[6 * k..6 * k + 6], &rates);
             let measured = Measured { steering: &angles, speeds: &rates, steering_rates: None };
-            let one: [f64; 3] = batch::forward_one(&rover, measured, Unseen::Refuse)?.into();
+            let one: [f64; 3] = rover.forward(measured, Unseen::Refuse)?.into();
             prop_assert_eq!(back[k], one);
         }
     }

@@ -182,7 +182,7 @@ fn every_level_projects_and_judges_alike() -> Result<(), Error> {
                 assert_eq!(projected, found, "{keep:?} {level:?} {rover:?}");
             }
             for (twist, found) in twists.iter().zip(&found) {
-                let one = batch::project_one(&rover, (*twist).into(), keep)?;
+                let one = rover.project((*twist).into(), keep)?;
                 assert_eq!(<[f64; 3]>::from(one), *found, "{keep:?} {rover:?}");
             }
             // The result is possible, at an end of a range or not, and the next are close to it.
@@ -196,7 +196,7 @@ fn every_level_projects_and_judges_alike() -> Result<(), Error> {
             for (twist, answer) in twists.iter().zip(answers) {
                 let twist = Twist::from(*twist);
                 assert_eq!(answer, rover.check(twist, None).is_ok(), "{twist:?} {rover:?}");
-                assert_eq!(answer, batch::admissible_one(&rover, twist)?);
+                assert_eq!(answer, rover.admissible(twist)?);
             }
         }
     }

@@ -2,7 +2,6 @@
 
 use pyo3::prelude::*;
 use six_wheel_kinematics::admissible::Keep;
-use six_wheel_kinematics::batch;
 use six_wheel_kinematics::estimate::{Measured, Unseen};
 use six_wheel_kinematics::geometry::Twist;
 use six_wheel_kinematics::rover::Inputs;
@@ -28,7 +27,7 @@ fn inverse<'py>(this: Borrowed<'_, 'py, Rover>, [twist, out, previous]: Argument
         // SAFETY: the two are apart from each other and from what is read: `previous`, see below.
         let targets = unsafe { (steering.numbers_mut(), speeds.numbers_mut()) };
         let twist = Twist::from(numbers);
-        batch::inverse_one(rover, twist, inputs, targets.0, targets.1).ok()
+        rover.inverse(twist, inputs, targets.0, targets.1).ok()
     };
     let mut room = Numbers::new();
     let Some(out) = out else {
@@ -103,7 +102,7 @@ fn forward<'py>(this: Borrowed<'_, 'py, Rover>, [steering, speeds, out]: Argumen
         return None;
     }
     let (array, target) = twist_row(py, out, [(steering, joints), (speeds, wheels)])?;
-    let twist = batch::forward_one(rover, measured, Unseen::Refuse).ok()?;
+    let twist = rover.forward(measured, Unseen::Refuse).ok()?;
     // SAFETY: what has been read is not used any more.
     unsafe { target.numbers_mut() }.copy_from_slice(&<[f64; 3]>::from(twist));
     Some(array)
@@ -112,7 +111,7 @@ fn forward<'py>(this: Borrowed<'_, 'py, Rover>, [steering, speeds, out]: Argumen
 #[inline(always)]
 fn admissible<'py>(this: Borrowed<'_, 'py, Rover>, [twist]: Arguments<'_, 'py, 1>) -> Answer<'py> {
     let twist = Twist::from(three(twist?)?);
-    let answer = batch::admissible_one(&this.get().core, twist).ok()?;
+    let answer = this.get().core.admissible(twist).ok()?;
     Some(truth(this.py(), answer))
 }
 
@@ -121,7 +120,7 @@ fn project<'py>(this: Borrowed<'_, 'py, Rover>, [twist, out]: Arguments<'_, 'py,
     let (py, twist) = (this.py(), twist?);
     let wanted = Twist::from(three(twist)?);
     let (array, target) = twist_row(py, out, [(Some(twist), 3)])?;
-    let found = batch::project_one(&this.get().core, wanted, Keep::Curvature).ok()?;
+    let found = this.get().core.project(wanted, Keep::Curvature).ok()?;
     // SAFETY: the twist has been copied, and nothing else is at work.
     unsafe { target.numbers_mut() }.copy_from_slice(&<[f64; 3]>::from(found));
     Some(array)

@@ -54,7 +54,7 @@ type Readings<'py> = Columns<Rows<'py>>;
 
 impl<'py> Tables<'py> {
     /// All of it, for the batches.
-    fn tables(&self) -> batch::Readings<'_> {
+    fn tables(&self) -> batch::Readings<Table<'_>> {
         batch::Readings {
             steering: self.steering.as_ref().map_or(Table::Flat(&[]), Blocks::table),
             speeds: self.speeds.table(),
