@@ -1,8 +1,7 @@
 //! Following errors of the steering joints: measured less commanded angles, and the halt by a stuck joint.
 
-use std::f64::consts::{PI, TAU};
-
 use super::Controller;
+use six_wheel_kinematics::geometry::wrap_angle;
 
 impl Controller {
     /// Measured less last commanded angles [rad], if the last step was given any; of a joint without ends within half a
@@ -32,7 +31,7 @@ impl Controller {
             let wheel = &self.given.wheels()[self.given.steered()[k]];
             let mut error = angle - self.steering[k];
             if wheel.steering().is_some_and(|range| range.lower.is_infinite() && range.upper.is_infinite()) {
-                error = (error + PI).rem_euclid(TAU) - PI;
+                error = wrap_angle(error);
             }
             let following = &mut self.following;
             following.errors[k] = error;

@@ -2,6 +2,7 @@
 
 use pulp::Simd;
 
+use six_wheel_kinematics::se2::angles::reduce_lanes;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::polynomials::{angle, direction};
 use six_wheel_numerics::simd::vector::Vector;
@@ -113,12 +114,7 @@ pub(crate) fn wrap_far<S: Vector, const N: usize>(simd: S, mut angles: [Lanes<S>
     }
     if all(simd, LARGEST_TURN).lt(largest).any() {
         for angle in &mut angles {
-            let mut column = Column::of(*angle);
-            for value in column.0[..S::F64_LANES].iter_mut().filter(|value| value.abs() > LARGEST_TURN) {
-                let (sin, cos) = value.sin_cos();
-                *value = sin.atan2(cos);
-            }
-            *angle = column.load(simd);
+            *angle = reduce_lanes(simd, *angle, LARGEST_TURN);
         }
     }
     angles

@@ -1,12 +1,14 @@
 //! Poses along logs, one log after the other: a register holds successive steps, and poses are prefix sums over its
 //! lanes.
 
+use std::f64::consts::PI;
+
 use super::logs::Logs;
 use super::tile::LANES;
 use crate::geometry::Steps;
 use crate::se2::accumulate::{PoseAccumulator, Sum};
-use crate::se2::angles::{reduce_lanes, sin_cos_any};
-use crate::se2::maps::sinc;
+use crate::se2::angles::reduce_lanes;
+use crate::se2::maps::{LARGEST_HALF_TURN, chord_ratio};
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::{Kernel, Level};
 use six_wheel_numerics::simd::polynomials::{direction, sinc_of_square};
@@ -15,9 +17,6 @@ use six_wheel_numerics::stream::{Output, prefetch_ahead};
 
 /// Registers of steps in lockstep, which hide the latency of prefix sums.
 const ABREAST: usize = 4;
-
-/// Half of a step's turn up to which the chord is a polynomial [rad].
-const LARGEST_HALF_TURN: f64 = std::f64::consts::FRAC_PI_4;
 
 /// Sums of magnitudes up to this are finite in every order of summation.
 pub(crate) const LARGEST_TOTAL: f64 = 1e300;
@@ -182,7 +181,7 @@ fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
         turns[m] = turned + upto;
         // The direction of the chord is the heading at half the yaw increment.
         if FAR {
-            let (turn, half) = (reduce_lanes(simd, turn), reduce_lanes(simd, half));
+            let (turn, half) = (reduce_lanes(simd, turn, PI), reduce_lanes(simd, half, PI));
             let upto = prefix_sums(simd, turn);
             headings.set_register(m, heading.plus((rotated + upto) - (turn - half)));
             rotated = rotated + upto.broadcast_last(simd);
@@ -195,13 +194,13 @@ fn try_step_lanes<S: Vector, const N: usize, const FAR: bool>(
         return false;
     }
     let (sin, cos) = direction(simd, headings);
-    let mut length = sinc_of_square(simd, squares);
+    let mut length = squares;
     if FAR {
         for (m, half) in halves.into_iter().enumerate() {
-            let chord = sinc(simd, half, sin_cos_any(simd, half).0);
-            length.set_register(m, half.abs().le(largest).select(length.register(m), chord));
+            length.set_register(m, chord_ratio(simd, half));
         }
     } else {
+        length = sinc_of_square(simd, squares);
         rotated = turned;
     }
     let [x, y, yaw] = [&accumulator.x, &accumulator.y, &accumulator.yaw].map(|sum| Sums::splat(simd, sum));

@@ -64,14 +64,14 @@ fn same_direction(angle: f64) -> f64 {
     sin.atan2(cos)
 }
 
-/// An angle of the same direction in every lane, unchanged up to pi.
+/// An angle of the same direction in every lane, unchanged up to `largest`, in [-pi, pi] beyond it [rad].
 #[inline(always)]
-pub(crate) fn reduce_lanes<S: Vector>(simd: S, angle: Lanes<S>) -> Lanes<S> {
-    map_beyond(simd, angle, PI, same_direction)
+pub fn reduce_lanes<S: Vector>(simd: S, angle: Lanes<S>, largest: f64) -> Lanes<S> {
+    map_beyond(simd, angle, largest, same_direction)
 }
 
 /// Sine and cosine of angles of any size.
 #[inline(always)]
 pub fn sin_cos_any<S: Vector>(simd: S, angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
-    sin_cos(simd, map_beyond(simd, angle, LARGEST_ANGLE, same_direction))
+    sin_cos(simd, reduce_lanes(simd, angle, LARGEST_ANGLE))
 }

@@ -12,7 +12,11 @@
 use crate::se2::angles::{sin_cos_any, wrap_lanes};
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::polynomials::sinc_of_square;
 use six_wheel_numerics::simd::vector::Vector;
+
+/// Half of a step's turn up to which the chord is a polynomial [rad].
+pub(crate) const LARGEST_HALF_TURN: f64 = std::f64::consts::FRAC_PI_4;
 
 /// A twist, or a pose.
 type Row<S> = [Lanes<S>; 3];
@@ -75,9 +79,21 @@ fn rotate<S: Vector>((sin, cos): (Lanes<S>, Lanes<S>), [x, y]: [Lanes<S>; 2]) ->
     [cos * x - sin * y, sin * x + cos * y]
 }
 
+/// Length of the chord over that of an arc, `sin h / h`, by half its yaw increment h [rad].
+#[inline(always)]
+pub fn chord_ratio<S: Vector>(simd: S, half: Lanes<S>) -> Lanes<S> {
+    let chord = sinc_of_square(simd, half * half);
+    let is_large = !half.abs().le(Lanes::splat(simd, LARGEST_HALF_TURN));
+    if !is_large.any() {
+        return chord;
+    }
+    let (sin, _) = sin_cos_any(simd, half);
+    is_large.select(sin / half, chord)
+}
+
 /// `sin(x) / x`, given the sine: exact to rounding for every x but 0, where it is 1.
 #[inline(always)]
-pub(crate) fn sinc<S: Vector>(simd: S, x: Lanes<S>, sin: Lanes<S>) -> Lanes<S> {
+fn sinc<S: Vector>(simd: S, x: Lanes<S>, sin: Lanes<S>) -> Lanes<S> {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let is_zero = x.abs().le(zero);
     is_zero.select(one, sin / is_zero.select(one, x))

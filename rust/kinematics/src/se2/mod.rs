@@ -3,4 +3,4 @@
 
 pub(crate) mod accumulate;
 pub mod angles;
-pub(crate) mod maps;
+pub mod maps;

@@ -3,6 +3,7 @@
 use pulp::Simd;
 
 use six_wheel_kinematics::se2::angles::sin_cos_any;
+pub use six_wheel_kinematics::se2::maps::chord_ratio;
 use six_wheel_numerics::simd::lanes::Lanes;
 use six_wheel_numerics::simd::polynomials::{horner, sinc_of_square, taylor};
 use six_wheel_numerics::simd::vector::Vector;
@@ -62,18 +63,6 @@ impl<S: Vector> Arc<S> {
             cos: is_large.select(cos, small.cos),
         }
     }
-}
-
-/// Length of the chord over that of an arc, `sin h / h`, by half its yaw increment h [rad].
-#[inline(always)]
-pub fn chord_ratio<S: Vector>(simd: S, half: Lanes<S>) -> Lanes<S> {
-    let chord = sinc_of_square(simd, half * half);
-    let is_large = !half.abs().le(Lanes::splat(simd, std::f64::consts::FRAC_PI_4));
-    if !is_large.any() {
-        return chord;
-    }
-    let (sin, _) = sin_cos_any(simd, half);
-    is_large.select(sin / half, chord)
 }
 
 /// Derivatives of the end of a step with respect to its start and to its displacement in body axes.

@@ -8,10 +8,11 @@ use super::stand::Under;
 use crate::interval::Interval;
 use crate::pyramid::{Boxes, Pyramid, nothing};
 use crate::suspension::lanes::{MOST, all, columns};
+use six_wheel_kinematics::se2::angles::sin_cos_any;
 use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::simd::level::Kernel;
-use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, ROUND, sin_cos};
+use six_wheel_numerics::simd::polynomials::ROUND;
 use six_wheel_numerics::simd::vector::Vector;
 use six_wheel_numerics::threads::workers::Workers;
 
@@ -133,9 +134,8 @@ impl BoundsRange<'_> {
         };
         let (zero, far) = (all(simd, 0.0), all(simd, FAR));
         let near = pose[0].abs().lt(far) & pose[1].abs().lt(far);
-        let yaw = within_turns(simd, pose[2]);
         let [chord, margin] = self.displacements(simd, rows);
-        let pose = [near.select(pose[0], zero), near.select(pose[1], zero), yaw];
+        let pose = [near.select(pose[0], zero), near.select(pose[1], zero), pose[2]];
         let place = GridPoses::new(simd, self.ground.pyramid, pose, [chord, margin]);
         let seen = Seen::new(simd, plan, self.ground, &place);
         let (intervals, checks) = plan.stand(simd, &seen.wheels, seen.under);
@@ -187,22 +187,6 @@ impl BoundsRange<'_> {
     }
 }
 
-/// The yaw, less whole turns where it exceeds the range of sines and cosines [rad].
-#[inline(always)]
-fn within_turns<S: Vector>(simd: S, yaw: Lanes<S>) -> Lanes<S> {
-    if !all(simd, LARGEST_ANGLE).lt(yaw.abs()).any() {
-        return yaw;
-    }
-    let mut turned = [0.0; MOST];
-    yaw.copy_to_slice(&mut turned);
-    for yaw in &mut turned {
-        if yaw.abs() > LARGEST_ANGLE {
-            *yaw %= std::f64::consts::TAU;
-        }
-    }
-    Lanes::from_slice(simd, &turned)
-}
-
 /// Statuses in the order of their numbers.
 const STATUSES: [BoundStatus; 6] = [
     BoundStatus::Bounded,
@@ -238,7 +222,7 @@ impl<S: Vector> GridPoses<S> {
     fn new(simd: S, pyramid: &Pyramid, [x, y, yaw]: [Lanes<S>; 3], [chord, margin]: [Lanes<S>; 2]) -> Self {
         let turn = pyramid.placement().turn();
         let (turned_cos, turned_sin) = (all(simd, turn.cos), all(simd, turn.sin));
-        let (sin, cos) = sin_cos(simd, yaw);
+        let (sin, cos) = sin_cos_any(simd, yaw);
         let (cos, sin) = (turned_cos * cos + turned_sin * sin, turned_cos * sin - turned_sin * cos);
         let [x0, y0] = pyramid.placement().origin();
         let (x, y) = (x - all(simd, x0), y - all(simd, y0));
