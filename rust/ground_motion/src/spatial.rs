@@ -22,6 +22,7 @@ use std::sync::Arc;
 
 use nalgebra::Matrix6;
 
+pub use noise::size_of_slip;
 use sample::Read;
 pub use sample::{Attitude, OVERTURNED, Recording3, Sample3, attitude};
 pub use settings::Settings3;

@@ -4,12 +4,12 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::Odometry3;
 use super::sample::Read;
-use super::spread::stack;
+use super::spread::by_start;
 use super::state::{Fixed, Pose3, PoseMeasurement3, State, StepReadings3, check_covariance};
 use six_wheel_kinematics::geometry::wrap_angle;
 use six_wheel_numerics::error::Error;
 use six_wheel_odometry::history::{HistoryEntry, Instant};
-use six_wheel_odometry::preintegrated::space::Motion3;
+use six_wheel_odometry::preintegrated::space::{Motion3, stack};
 use six_wheel_odometry::state::check_pose;
 
 impl Fixed {
@@ -50,9 +50,7 @@ impl PoseMeasurement3 {
         let Self { pose: start, mut covariance } = self;
         let pose = start.compose(&Motion3::exp(&(Vector6::from(twist) * dt)));
         if covariance.iter().all(|value| value.is_finite()) {
-            let mut by_start = Matrix6::identity();
-            let lever = (pose.translation - start.translation).cross_matrix();
-            by_start.fixed_view_mut::<3, 3>(0, 3).copy_from(&-lever);
+            let by_start = by_start(&(pose.translation - start.translation));
             covariance = by_start * covariance * by_start.transpose();
         }
         Self { pose, covariance }

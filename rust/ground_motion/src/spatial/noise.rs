@@ -3,10 +3,11 @@
 use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::readings::{StepReadings, TiltPair, WheelMotion};
-use super::spread::{Columns, GYROSCOPE, JOINTS, RATES, STEERING, StepNoise, TILT, stack};
+use super::spread::{Columns, GYROSCOPE, JOINTS, RATES, STEERING, StepNoise, TILT};
 use crate::AVERAGING_LENGTH;
 use six_wheel_odometry::gyroscope::mean_rate;
 use six_wheel_odometry::motion::{ROUNDING, SUSPICIOUS};
+use six_wheel_odometry::preintegrated::space::stack;
 use six_wheel_odometry::settings::Readings as Kind;
 use six_wheel_terrain::suspension::MAX_WHEELS;
 
@@ -120,7 +121,7 @@ impl<'a> NoisyStep<'a> {
         if motion.contacts.wheels[wheel].steering.is_some() {
             variance += (self.steering_deviation * ahead).powi(2);
         }
-        let slid = if is_read { along_slid.hypot(aside) } else { aside.abs() };
+        let slid = size_of_slip(motion.slid[wheel]);
         let bound = match step.settings.common.slip_threshold {
             Some(threshold) => threshold * step.dt,
             None => SUSPICIOUS * variance.sqrt() + ROUNDING * farthest,
@@ -141,6 +142,13 @@ impl<'a> NoisyStep<'a> {
             errors.new[TILT + axis] = moved(new[axis]);
         }
     }
+}
+
+/// Size of the slip of a contact along its rim and to its left; that to the left alone of a wheel without an encoder,
+/// whose slip along its rim is NaN.
+#[inline]
+pub fn size_of_slip([along, aside]: [f64; 2]) -> f64 {
+    if along.is_nan() { aside.abs() } else { along.hypot(aside) }
 }
 
 /// Writes the errors of the displacement. Returns true if a contact slid farther than they explain.

@@ -6,7 +6,7 @@
 use nalgebra::{Matrix6, UnitQuaternion, Vector3, Vector6};
 
 use six_wheel_odometry::pose_gain::PoseGain;
-use six_wheel_odometry::preintegrated::space::{Motion3, left_jacobian};
+use six_wheel_odometry::preintegrated::space::{Motion3, left_jacobian, split, stack};
 use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
 /// Columns of the readings that two steps share: steering, wheels that report rates, free angles, tilt, the gyroscope.
@@ -87,12 +87,11 @@ impl StepJacobian3 {
     }
 }
 
-fn split(error: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    (Vector3::new(error[0], error[1], error[2]), Vector3::new(error[3], error[4], error[5]))
-}
-
-pub(crate) fn stack(shift: &Vector3<f64>, about: &Vector3<f64>) -> Vector6<f64> {
-    Vector6::new(shift.x, shift.y, shift.z, about.x, about.y, about.z)
+/// The derivative of the end of a step by its start, from its translation in axes of the world [m].
+pub(crate) fn by_start(shift: &Vector3<f64>) -> Matrix6<f64> {
+    let mut by_start = Matrix6::identity();
+    by_start.fixed_view_mut::<3, 3>(0, 3).copy_from(&-shift.cross_matrix());
+    by_start
 }
 
 impl Errors {
@@ -125,10 +124,7 @@ impl Errors {
     /// Propagates the error through one step.
     pub fn propagate(&mut self, start: &UnitQuaternion<f64>, tangent: &Vector6<f64>, noise: &StepNoise) {
         let step = StepJacobian3::new(start, tangent);
-        let mut by_start = Matrix6::identity();
-        let swing = -step.shift.cross_matrix();
-        by_start.fixed_view_mut::<3, 3>(0, 3).copy_from(&swing);
-        let by = &step.by_displacement;
+        let (by_start, by) = (by_start(&step.shift), &step.by_displacement);
         self.settled = by_start * self.settled * by_start.transpose() + by * noise.own * by.transpose();
         let zero = Vector6::zeros();
         for (carried, (old, new)) in self.carried.iter_mut().zip(noise.old.iter().zip(&noise.new)) {

@@ -1,10 +1,11 @@
 //! A pose from outside: it corrects the state at its instant, and the samples after that are integrated again.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::{Odometry, PoseMeasurement, StepReadings};
 use crate::history::{HistoryEntry, Instant};
 use crate::motion::Motion;
+use crate::propagation::covariance::{Covariance3, lane};
 use crate::settings::Readings;
 use crate::state::{State, check_covariance, check_pose};
 use six_wheel_kinematics::geometry::{Pose, Twist, wrap_angle};
@@ -30,19 +31,9 @@ impl PoseMeasurement {
     fn propagate(self, twist: Twist, dt: f64) -> Self {
         let Self { pose: start, mut covariance } = self;
         let pose = start.compose(twist.exp(dt));
-        let by_start = Matrix3::new(
-            1.0,
-            0.0,
-            start.y - pose.y, //
-            0.0,
-            1.0,
-            pose.x - start.x, //
-            0.0,
-            0.0,
-            1.0,
-        );
         if covariance.iter().all(|value| value.is_finite()) {
-            covariance = by_start * covariance * by_start.transpose();
+            let yaw_lever = lane([start.y - pose.y, pose.x - start.x]);
+            covariance = Covariance3::of(&covariance).lane().propagate(yaw_lever).total().matrix();
         }
         Self { pose, covariance }
     }

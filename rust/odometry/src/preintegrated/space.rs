@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, Matrix6, Rotation3, UnitQuaternion, Vector3, Vector6};
 
+use six_wheel_kinematics::geometry::sinc;
 use six_wheel_numerics::error::{Error, finite, number};
 use six_wheel_numerics::simd::polynomials::taylor;
 
@@ -61,7 +62,7 @@ impl Motion3 {
         let turn = self.rotation.scaled_axis();
         let inverse = left_jacobian_of_turn(&turn).try_inverse();
         let linear = inverse.map_or(self.translation, |inverse| inverse * self.translation);
-        tangent_of(&linear, &turn)
+        stack(&linear, &turn)
     }
 
     /// `a_from_c = a_from_b * b_from_c`
@@ -125,11 +126,15 @@ impl Motion3 {
     }
 }
 
-fn split(tangent: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
+/// The linear part and the turn of a tangent.
+#[inline]
+pub fn split(tangent: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (Vector3::new(tangent[0], tangent[1], tangent[2]), Vector3::new(tangent[3], tangent[4], tangent[5]))
 }
 
-fn tangent_of(linear: &Vector3<f64>, turn: &Vector3<f64>) -> Vector6<f64> {
+/// The tangent of this linear part and turn.
+#[inline]
+pub fn stack(linear: &Vector3<f64>, turn: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(linear.x, linear.y, linear.z, turn.x, turn.y, turn.z)
 }
 
@@ -144,7 +149,7 @@ fn quotients(turn: f64) -> [f64; 4] {
         return QUOTIENTS.map(|series| series.iter().rev().fold(0.0, |sum, term| sum * square + term));
     }
     let (sin, cos) = turn.sin_cos();
-    let half = (turn / 2.0).sin() / (turn / 2.0);
+    let half = sinc(turn / 2.0);
     [
         half * half / 2.0,
         (turn - sin) / (square * turn),

@@ -3,7 +3,7 @@
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use six_wheel_ground_motion::spatial::{Odometry3, Pose3};
+use six_wheel_ground_motion::spatial::{Odometry3, Pose3, size_of_slip};
 use six_wheel_kinematics::estimate::worst_wheel;
 use six_wheel_terrain::suspension::MAX_WHEELS;
 
@@ -46,14 +46,8 @@ impl Odometry3State {
     }
 
     fn sliding_speeds(&self) -> Vec<f64> {
-        let slips = self.slip[..self.wheels].iter();
-        slips.map(|[along, aside]| sliding(*along, *aside)).collect()
+        self.slip[..self.wheels].iter().map(|slip| size_of_slip(*slip)).collect()
     }
-}
-
-/// Speed at which a contact slides [m/s]: `hypot(along, aside)`, or `|aside|` of a wheel without an encoder.
-fn sliding(along: f64, aside: f64) -> f64 {
-    if along.is_nan() { aside.abs() } else { along.hypot(aside) }
 }
 
 getters! { Odometry3State, self, py:
