@@ -1,38 +1,11 @@
 //! Contacts of a settled rover: their directions, and their velocities by the rates.
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::Vector3;
 
 use crate::rates::contact_rows::COLUMNS;
 use crate::rates::point_rows::{Row, in_body, point_rows};
 use six_wheel_kinematics::geometry::Direction;
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS, Placed, WheelFrame};
-
-/// One settled pose: attitude, angles and contacts.
-#[derive(Clone, Copy, Debug)]
-pub struct Footing<'a> {
-    /// Roll, pitch and yaw of the body, `Rz(yaw) Ry(pitch) Rx(roll)` [rad].
-    pub attitude: [f64; 3],
-    /// Free angles [rad].
-    pub joints: &'a [f64],
-    /// Steering angles [rad].
-    pub steering: &'a [f64],
-    /// Contact angle of every wheel [rad].
-    pub angles: &'a [f64],
-    /// Unit normal of the ground at every wheel, in world axes.
-    pub normals: &'a [[f64; 3]],
-    /// True for the wheels that touch the ground.
-    pub touching: [bool; MAX_WHEELS],
-    /// True for the free angles at a stop.
-    pub stopped: [bool; MAX_FREE],
-}
-
-impl Footing<'_> {
-    /// `world_from_body`.
-    pub fn rotation(&self) -> Rotation3<f64> {
-        let [roll, pitch, yaw] = self.attitude;
-        Rotation3::from_euler_angles(roll, pitch, yaw)
-    }
-}
 
 /// One wheel on the ground.
 #[derive(Clone, Copy, Debug)]
@@ -99,23 +72,6 @@ impl Contacts {
     pub(crate) fn none(chain: &Chain, stopped: [bool; MAX_FREE]) -> Self {
         let blank = Contact { rows: [[0.0; COLUMNS]; 3], swivel: [0.0; 3], steering: None, touching: false };
         Self { wheels: [blank; MAX_WHEELS], count: chain.wheels().len(), joints: chain.joints().len(), stopped }
-    }
-
-    /// The contacts of a settled pose. None where a differential does not reach.
-    pub fn new(chain: &Chain, footing: &Footing<'_>) -> Option<Self> {
-        let placed = in_body(chain, footing.joints, footing.steering)?;
-        let body_from_world = footing.rotation().inverse();
-        let mut contacts = Self::none(chain, footing.stopped);
-        for (k, mount) in chain.wheels().iter().enumerate() {
-            let plane = ContactPlane {
-                frame: placed.wheel(k),
-                normal: body_from_world * Vector3::from(footing.normals[k]),
-                radius: mount.radius,
-                at: Direction::from(footing.angles[k]),
-            };
-            contacts.wheels[k] = Contact::new(&placed, k, &plane, footing.touching[k]);
-        }
-        Some(contacts)
     }
 
     pub(crate) fn touching(&self) -> impl Iterator<Item = (usize, &Contact)> {

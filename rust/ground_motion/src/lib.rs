@@ -27,7 +27,7 @@ pub mod spatial;
 mod steering;
 mod unmapped;
 
-pub use contact::{Contacts, Footing, rest_offset};
+pub use contact::{Contacts, rest_offset};
 pub use driving::{Drives, Driving, Lift, Turns};
 pub use lanes::settled_poses::{SettledPoseInput, SettledPoses};
 pub use motion::{BodyMotion, Command, Readings, View};

@@ -20,7 +20,7 @@ use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 /// Measurements, row after row: see [`Readings`].
 #[derive(Clone, Copy, Debug)]
 pub struct ReadingRows<'a> {
-    /// Steering angles, where they are not those of the footing [rad].
+    /// Steering angles, where they are not those of the settled pose [rad].
     pub steering: Option<&'a [f64]>,
     /// Speeds of the wheels [rad/s].
     pub speeds: &'a [f64],

@@ -1,6 +1,6 @@
 //! The displacement over one step in space, from the readings of wheels, joints and an IMU.
 //!
-//! The motion is that of [`Contacts::forward`] at the contacts in the middle of the step, with the changes of wheels
+//! The motion is that of [`crate::Contacts::forward`] at the contacts in the middle of the step, with the changes of wheels
 //! and joints over the whole step in place of their rates, as if these were constant. Steering is treated as in the
 //! plane.
 
@@ -10,10 +10,9 @@ use super::noise::{displacement_errors, fuse_yaw_increment};
 use super::readings::{StepReadings, TiltPair, WheelMotion};
 use super::site::{ContactSource, Place};
 use super::spread::StepNoise;
-use crate::{COLUMNS, ClimbInput, Contacts, Readings, Row, SiteContacts, Unmapped};
+use crate::{COLUMNS, ClimbInput, Readings, Row, SiteContacts, Unmapped};
 use six_wheel_kinematics::geometry::sinc;
-use six_wheel_numerics::error::HUGE;
-use six_wheel_numerics::error::{Error, ErrorKind, numbers};
+use six_wheel_numerics::error::{Error, ErrorKind, HUGE, numbers};
 use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Rounds of the fixed point of turn, contacts and displacement.
@@ -146,16 +145,13 @@ impl MeanReadings {
                 let steering = &self.angles[..self.steered];
                 Unmapped::new(chain, self.joints(), steering).map(SiteConstants::Unmapped)
             }
-            ContactSource::Ground(place) => {
-                let contacts = Contacts::new(chain, &place.footing());
-                contacts.map(|contacts| {
-                    SiteConstants::Ground(SiteContacts {
-                        contacts: contacts.sharing_sides(),
-                        at: place.stand.wheels.map(|contact| contact.at),
-                        slopes: [0.0; MAX_WHEELS],
-                    })
+            ContactSource::Ground(place) => place.contacts(chain).map(|contacts| {
+                SiteConstants::Ground(SiteContacts {
+                    contacts: contacts.sharing_sides(),
+                    at: place.stand.wheels.map(|contact| contact.at),
+                    slopes: [0.0; MAX_WHEELS],
                 })
-            }
+            }),
         };
         constants.ok_or_else(|| {
             let rule = "be within reach of the differential, with wheels that stand in no line";
