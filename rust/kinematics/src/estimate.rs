@@ -159,18 +159,9 @@ impl RoverData {
 
     /// The inverse of the normal equations of the twist itself, from that about the centre of the pivots.
     pub fn inverse_at_origin(&self, solution: &Matrix3<f64>) -> Matrix3<f64> {
-        let turn = Matrix3::new(
-            1.0,
-            0.0,
-            self.centre.y / self.size, //
-            0.0,
-            1.0,
-            -self.centre.x / self.size, //
-            0.0,
-            0.0,
-            1.0 / self.size,
-        );
-        turn * solution * turn.transpose()
+        let units = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let to_origin = Matrix3::from_columns(&units.map(|unit| self.twist_at_origin(&unit)));
+        to_origin * solution * to_origin.transpose()
     }
 
     /// The solution of the normal equations, every wheel alike.
