@@ -200,6 +200,16 @@ impl Limits {
     }
 }
 
+/// Time of the quickest change of a quantity by `distance` from rest to rest, its rate at most `rate` and changing by
+/// `acceleration` at most [s].
+pub fn rest_to_rest(distance: f64, rate: f64, acceleration: f64) -> f64 {
+    if distance * acceleration > rate * rate {
+        distance / rate + rate / acceleration
+    } else {
+        2.0 * (distance / acceleration).sqrt()
+    }
+}
+
 /// Way of the quickest stop from a speed that changes at `rate`, while that is limited to `deceleration` and
 /// changes by `jerk` at most.
 pub fn stop(speed: f64, rate: f64, deceleration: f64, jerk: f64) -> f64 {
@@ -213,12 +223,7 @@ pub fn stop(speed: f64, rate: f64, deceleration: f64, jerk: f64) -> f64 {
     let peak = speed + gained.abs();
     let way = gained.abs().mul_add(2.0 / 3.0, speed) * turn;
     // The deceleration rises and falls symmetrically about half the speed.
-    let time = if peak * jerk <= deceleration * deceleration {
-        2.0 * (peak / jerk).sqrt()
-    } else {
-        peak / deceleration + deceleration / jerk
-    };
-    let after = peak * time / 2.0;
+    let after = peak * rest_to_rest(peak, deceleration, jerk) / 2.0;
     if rate > 0.0 {
         way + after
     } else {

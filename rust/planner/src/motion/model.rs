@@ -3,6 +3,7 @@
 use super::limits::{DirectionGap, RoverLimits};
 use super::steered_joint::SteeredJoint;
 use crate::numbers::squares::Form;
+use six_wheel_control::controller::limits::rest_to_rest;
 use six_wheel_numerics::simd::float::Float;
 use six_wheel_numerics::simd::vec3::inner_product;
 
@@ -137,7 +138,7 @@ impl<R: Float, const M: usize> Model<R, M> {
             // The wheel of a pivot at rest does not turn.
             worst = if turn > worst { turn } else { worst };
         }
-        turning_time(worst, self.rate, self.acceleration)
+        rest_to_rest(worst, self.rate, self.acceleration)
     }
 }
 
@@ -151,16 +152,4 @@ fn distinct_joints(joints: &[SteeredJoint]) -> impl Iterator<Item = &SteeredJoin
         let same = |other: &SteeredJoint| alike(&joint.along, &other.along) && alike(&joint.across, &other.across);
         (!joints[..k].iter().any(same)).then_some(joint)
     })
-}
-
-/// Time of a turn from rest to rest [s].
-fn turning_time(turn: f64, rate: f64, acceleration: f64) -> f64 {
-    if acceleration.is_infinite() {
-        return turn / rate;
-    }
-    if turn * acceleration >= rate * rate {
-        turn / rate + rate / acceleration
-    } else {
-        2.0 * (turn / acceleration).sqrt()
-    }
 }
