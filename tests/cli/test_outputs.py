@@ -300,6 +300,24 @@ def test_an_empty_argument_is_no_path(run: Run, arguments: tuple[str, ...]) -> N
 
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs timers that send signals")
+def test_a_signal_right_after_a_file_is_created_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Once the file that was just created stayed: what removes it began a statement later."""
+
+    open_file = Path.open
+
+    def interrupted(path: Path, mode: str) -> None:
+        open_file(path, mode).close()
+        monkeypatch.undo()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "open", interrupted)
+    with pytest.raises(KeyboardInterrupt), replacing(tmp_path / "run.csv"):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_signal_comes_before_all_outputs_are_replaced_or_after(tmp_path: Path) -> None:
     """Python handled one between two files, so that a part of them was new."""
     paths = [tmp_path / f"{k}.txt" for k in range(40)]

@@ -72,27 +72,33 @@ def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
     if given := next((given for given, other in targets.values() if same_file(other, target)), None):
         raise TableError(f"{path}: the output must be another file than the output {given}")
     remove_leftovers(target)
-    # Created here and not by tempfile, so that the permissions follow the umask.
     temporary = target.with_name(f"{_beside(target)}{os.getpid()}-{secrets.token_hex(4)}{target.suffix}")
-    try:
-        temporary.open("xb").close()
-    except OSError as error:
-        raise TableError(f"{path}: the output must be writeable, got: {error.strerror}") from None
     _at_work.add(temporary)
     targets[temporary] = (path, target)
+    # The file is created within the block that removes it: a signal may come right after.
     try:
+        _create(path, temporary)
         yield temporary
         if files is None:
             os.replace(temporary, target)
     except BaseException as error:
         del targets[temporary]
         is_full = _is_full(temporary)  # it may be the disk of another file that is written at the same time
-        temporary.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # nothing was created on a disk that nobody may write to
+            temporary.unlink()
         if isinstance(error, OSError) and error.errno in _FULL and is_full:
             raise TableError(f"{path}: could not be written: {os.strerror(error.errno)}") from None
         raise
     finally:
         _at_work.discard(temporary)
+
+
+def _create(path: Path, temporary: Path) -> None:
+    """An empty file whose permissions follow the umask, which those of tempfile do not."""
+    try:
+        temporary.open("xb").close()
+    except OSError as error:
+        raise TableError(f"{path}: the output must be writeable, got: {error.strerror}") from None
 
 
 def _is_full(temporary: Path) -> bool:
