@@ -82,6 +82,7 @@ def driven_by(name: str, axis: int, way: int) -> Case:
 
     def do(shown: Page, view: Any) -> None:
         (client,) = view._server.get_clients().values()
+        rest(shown, client.camera)  # from the case before, which began to move it
         before.update(twist=view.twist, camera=np.asarray(client.camera.wxyz))
         key(shown, name)
 
