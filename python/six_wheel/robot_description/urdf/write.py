@@ -79,19 +79,20 @@ def _centre(wheel: Wheel) -> tuple[float, float]:
     )
 
 
-def _beside(wheels: Mapping[str, Wheel], arm: RockerBogie) -> dict[str, tuple[float, float]]:
-    """Places of hinges of wheels, pivots where they steer, from the centres that a model has for them [m]."""
-    aside = {}
+def _hinge_offsets(wheels: Mapping[str, Wheel], arm: RockerBogie) -> dict[str, tuple[float, float]]:
+    """Offset in x and y of each wheel's hinge from its centre in the model [m]. The hinge is at the pivot
+    of a steered wheel, else at the wheel's own centre."""
+    offsets = {}
     for model in arm.planar().wheels:
         wheel = wheels[model.name]
         centre = _centre(wheel)
-        apart = (centre[0] - model.x, centre[1] - model.y)
-        if max(map(abs, apart)) < ROUNDING:
-            apart = (0.0, 0.0)
+        offset = (centre[0] - model.x, centre[1] - model.y)
+        if max(map(abs, offset)) < ROUNDING:
+            offset = (0.0, 0.0)
         if wheel.steered or wheel.castor:
-            apart = (apart[0] + (wheel.x - centre[0]), apart[1] + (wheel.y - centre[1]))
-        aside[wheel.name] = apart
-    return aside
+            offset = (offset[0] + (wheel.x - centre[0]), offset[1] + (wheel.y - centre[1]))
+        offsets[wheel.name] = offset
+    return offsets
 
 
 def _text(robot: Element) -> str:
@@ -138,9 +139,9 @@ class _Description:
         x, y, z = said["rocker_pivot"]
         self.box("base_link", (2.0 * max(abs(y), BEAM), 1.6 * abs(y), abs(y) / 2.0), (x, 0.0, z))
         wheels = {wheel.name: wheel for wheel in rover.wheels}
-        aside = _beside(wheels, arm)
+        offsets = _hinge_offsets(wheels, arm)
         # Where wheels are beside the model, whose vectors are the mean of both sides, a tree rounds these.
-        uneven = any(map(any, aside.values()))
+        uneven = any(map(any, offsets.values()))
         noted = {
             key: _numbers(value)
             for key, value in said.items()
@@ -178,7 +179,7 @@ class _Description:
                     key = f"{holder.partition('_')[2]}_to_{place}"
                     wheel = wheels[f"{place}_{side}"]
                     self.beam(holder, mirrored(key))
-                    (x, y, z), (dx, dy) = mirrored(key), aside[wheel.name]
+                    (x, y, z), (dx, dy) = mirrored(key), offsets[wheel.name]
                     self.wheel(rover, wheel, holder, (x + dx, y + dy, z))
         return self.done()
 

@@ -121,9 +121,9 @@ def stop_from(rover: Rover, limits: Limits, twist: ArrayLike) -> Stop | None:
     """Distance [m] and time [s] from a steady twist to rest; None if it stops at once."""
     if (steady := _steady(rover, limits.on(rover), twist)) is None:
         return None
-    controller, now, _ = steady
+    controller, now, dt = steady
     controller.command((0.0, 0.0, 0.0), now)
-    return _to_rest(*steady)
+    return _to_rest(controller, now, dt)
 
 
 def halt_from(rover: Rover, limits: Limits, twist: ArrayLike) -> Stop | None:
@@ -131,8 +131,9 @@ def halt_from(rover: Rover, limits: Limits, twist: ArrayLike) -> Stop | None:
     filled = limits.on(rover)
     if (steady := _steady(rover, filled, twist)) is None or math.isinf(filled.halt_deceleration):
         return None
-    steady[0].halt()
-    return _to_rest(*steady)
+    controller, now, dt = steady
+    controller.halt()
+    return _to_rest(controller, now, dt)
 
 
 def _to_rest(controller: Controller, now: float, dt: float) -> Stop:
